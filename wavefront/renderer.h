@@ -1,0 +1,144 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the hdWavefront authors
+// The facade: a scene that is edited, and a film that is rendered in the background.
+//
+// Threads: scene edits (Set*, Create*, Destroy*) may come from several threads at once and are only staged; Commit,
+// Start, Pause, Resume and Stop belong to one controlling thread; Map, progress, IsConverged and stats may be called from
+// any thread at any time. Commit stops a running render (the one edit gate); Start goes on where it may.
+// Errors: environment and input give Result/Status; scene content gives Diagnostics through the sink, and renders on.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "wavefront/base/diagnostics.h"
+#include "wavefront/base/result.h"
+#include "wavefront/film.h"
+#include "wavefront/scene.h"
+
+namespace wavefront {
+
+struct DeviceDescription {
+  std::string name, driver, type;  // type: "discrete", "integrated", "cpu", ...
+  std::string apiVersion;
+  uint64_t heapBytes = 0;
+  uint32_t subgroupSize = 0;
+  bool usable = false;
+  std::string whyNot;                                        // what is missing, where not usable
+  std::vector<std::pair<std::string, std::string>> details;  // limits and features used, for `doctor`
+};
+std::vector<DeviceDescription> ListDevices();
+
+struct RendererOptions {
+  std::string device;          // index or part of the name; empty: HDWAVEFRONT_DEVICE, else the best one
+  bool validation = false;     // also HDWAVEFRONT_VALIDATION=1
+  uint64_t memoryBudget = 0;   // bytes; 0: what the device offers
+  uint32_t threads = 0;        // host threads for BVH builds; 0: all
+  DiagnosticSink diagnostics;  // may be called from any thread
+};
+
+// What one render is made of. The image is a pure function of (scene, camera, these but poolSize and samplesPerBatch).
+struct RenderSettings {
+  uint32_t width = 0, height = 0;
+  uint32_t firstSample = 0, samples = 64;  // the range [firstSample, firstSample + samples)
+  uint32_t maxBounces = 8;                 // scattering events after the camera ray's hit
+  uint32_t rouletteBounce = 3;             // Russian roulette from this bounce on
+  uint32_t maxTransparency = 64;           // surfaces passed through per ray by opacity
+  uint32_t seed = 0;
+  uint32_t poolSize = 0;                   // paths; 0: what suits the device
+  uint32_t samplesPerBatch = 0;            // samples in flight together; 0: what suits the pool
+  float radianceClamp = 0;                 // 0: only the film's stated limit
+  bool cameraVisibleDome = true;           // dome lights seen by camera rays
+  bool shadows = true;
+  std::vector<Aov> aovs;                   // Color is always there
+};
+
+struct Progress {
+  uint64_t pathsDone = 0, pathsTotal = 0;
+  uint32_t samplesDone = 0;                // whole samples of every pixel
+  double seconds = 0;                      // in Start..now without pauses
+  bool running = false, paused = false, converged = false;
+};
+
+struct KernelStats { std::string name; double milliseconds = 0; uint64_t items = 0, dispatches = 0;
+                     double createMilliseconds = 0, firstDispatchMilliseconds = 0; };
+struct QueueStats { std::string name; uint64_t items = 0, peak = 0; };
+struct RenderStats {
+  std::vector<KernelStats> kernels;
+  std::vector<QueueStats> queues;
+  uint64_t paths = 0, segments = 0, extensionRays = 0, shadowRays = 0, iterations = 0, submits = 0;
+  double renderSeconds = 0, commitSeconds = 0, bvhSeconds = 0;
+  std::map<std::string, uint64_t> memoryBytes, memoryPeakBytes;  // by kind
+  uint64_t triangles = 0, instances = 0, lights = 0, lightItems = 0, materials = 0, textures = 0;
+  uint64_t validationMessages = 0;
+  uint32_t errorFlags = 0;                 // shared/error_flags.h; 0: none
+  uint32_t poolSize = 0;
+};
+
+// Exact sums of a sample range; merging is associative and exact, so ranges, machines and restarts agree to the bit.
+struct RawFilm {
+  uint32_t width = 0, height = 0, firstSample = 0, samples = 0;
+  std::vector<int64_t> sums;     // fixed point, by pixel then by channel (see shared/film_layout.h)
+  std::vector<uint32_t> first;   // FirstSample AOVs, by pixel then channel
+};
+Result<RawFilm> MergeFilms(const RawFilm& a, const RawFilm& b);
+AovImage ResolveFilm(const RawFilm& film, Aov aov);
+
+using InstanceGroupId = uint32_t;
+
+class Renderer {
+ public:
+  static Result<std::unique_ptr<Renderer>> Create(const RendererOptions& options);
+  virtual ~Renderer() = default;  // stops, waits, frees
+
+  // --- Scene. Ids are never reused within a renderer. Setting an unknown id is a bug.
+  virtual MeshId CreateMesh(MeshData mesh) = 0;
+  virtual void SetMesh(MeshId id, MeshData mesh) = 0;
+  virtual void DestroyMesh(MeshId id) = 0;
+  virtual InstanceGroupId CreateInstances(InstanceData instances) = 0;
+  virtual void SetInstances(InstanceGroupId id, InstanceData instances) = 0;
+  virtual void DestroyInstances(InstanceGroupId id) = 0;
+  virtual LightId CreateLight(LightData light) = 0;
+  virtual void SetLight(LightId id, LightData light) = 0;
+  virtual void DestroyLight(LightId id) = 0;
+  virtual TextureId CreateTexture(TextureData texture) = 0;
+  virtual void DestroyTexture(TextureId id) = 0;
+  virtual void RegisterKernel(MaterialKernelData kernel) = 0;  // no-op where the key is known
+  virtual bool HasKernel(const std::string& key) const = 0;
+  virtual MaterialId CreateMaterial(MaterialData material) = 0;
+  virtual void SetMaterial(MaterialId id, MaterialData material) = 0;
+  virtual void DestroyMaterial(MaterialId id) = 0;
+  virtual void SetDefaultMaterial(MaterialId id) = 0;          // for kInvalidId bindings
+  virtual void SetCamera(const CameraData& camera) = 0;
+  virtual void SetRenderSettings(const RenderSettings& settings) = 0;
+
+  // Makes staged edits real. Resets the film only if something that the image depends on changed; version() counts that.
+  virtual Status Commit() = 0;
+  virtual uint64_t version() const = 0;
+
+  // --- Rendering, in a thread of the renderer's own.
+  virtual Status Start() = 0;
+  virtual void Pause() = 0;    // returns at once; samples are kept
+  virtual void Resume() = 0;
+  virtual void Stop() = 0;     // returns when the device is idle; samples are kept
+  virtual bool WaitUntilDone(double timeoutSeconds) = 0;  // true: converged, stopped or failed
+  virtual Status status() const = 0;                      // the render thread's error, if any
+  virtual Progress progress() const = 0;
+  virtual bool IsConverged() const = 0;
+  virtual Result<AovImage> Map(Aov aov) = 0;              // what is there now, also while rendering
+  virtual Result<RawFilm> ReadFilm() = 0;
+  virtual RenderStats stats() const = 0;
+
+  // --- Colour: runs a compute kernel over RGBA float pixels in place. `spirv` is made from the colour library's own
+  // GPU shader by the delegate; see delegate/colour.
+  struct ColorLut { std::string sampler; uint32_t dimension = 1, width = 0, height = 1, depth = 1, components = 3;
+                    bool linear = true; std::vector<float> values; uint32_t binding = 0; };
+  virtual Status RunColorKernel(std::span<const uint32_t> spirv, const std::vector<ColorLut>& luts,
+                                std::span<float> rgba, uint32_t width, uint32_t height) = 0;
+};
+
+}  // namespace wavefront
