@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the hdWavefront authors
+//
+// MaterialX's conductor_bsdf: GGX reflection with the conductor Fresnel term per channel, energy compensated as
+// dielectric_reflection is.
+#ifndef WAVEFRONT_BSDF_CONDUCTOR_GLSL
+#define WAVEFRONT_BSDF_CONDUCTOR_GLSL
+#include "fresnel.glsl"
+#include "ggx_albedo.glsl"
+#include "microfacet.glsl"
+
+struct ConductorLobe {
+    vec3 ior;
+    vec3 extinction;
+    vec2 alpha;
+};
+
+ConductorLobe conductorMake(vec3 ior, vec3 extinction, vec2 roughness)
+{
+    return ConductorLobe(bsdfClamp(ior, 1e-3, 1e3), bsdfClamp(extinction, 0.0, 1e3), ggxAlpha(roughness));
+}
+
+vec4 conductorEval(ConductorLobe l, vec3 wo, vec3 wi)
+{
+    float side = bsdfSide(wo);
+    wo.z *= side;
+    wi.z *= side;
+    vec3 g = ggxReflection(wo, wi, l.alpha);
+    vec3 f = fresnelConductor(g.z, l.ior, l.extinction);
+    return vec4((g.x * g.y) * ggxCompensate(f, ggxAlbedo(wo.z, ggxMeanAlpha(l.alpha))), g.x);
+}
+
+vec3 conductorSample(ConductorLobe l, vec3 wo, vec3 u)
+{
+    float side = bsdfSide(wo);
+    wo.z *= side;
+    vec3 wi = ggxReflect(wo, ggxSampleNormal(wo, l.alpha, u.xy));
+    return vec3(wi.xy, wi.z * side);
+}
+
+vec3 conductorAlbedo(ConductorLobe l, vec3 wo)
+{
+    GgxMean mean = ggxMean(abs(wo.z), ggxMeanAlpha(l.alpha));
+    vec3 fx = fresnelConductor(mean.cosine.x, l.ior, l.extinction);
+    vec3 fy = fresnelConductor(mean.cosine.y, l.ior, l.extinction);
+    float more = 1.0 - mean.albedo;
+    return mean.share.x * fx * (mean.albedo + fx * more) + mean.share.y * fy * (mean.albedo + fy * more);
+}
+
+vec3 conductorThroughput(ConductorLobe l, vec3 wo) { return vec3(0.0); }
+
+#endif

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the hdWavefront authors
+//
+// What the refracting modes of generalized_schlick share: the index that its colour at normal incidence implies, and
+// the Fresnel term across the interface. As in MaterialX, refraction bends by the mean of color0.
+#ifndef WAVEFRONT_BSDF_SCHLICK_INTERFACE_GLSL
+#define WAVEFRONT_BSDF_SCHLICK_INTERFACE_GLSL
+#include "fresnel.glsl"
+#include "microfacet.glsl"
+
+float schlickIndex(SchlickFresnel s)
+{
+    float r = sqrt(clamp(bsdfMean(s.f0), 0.0, 0.66)); // 0.66: index 9.7, the limit of ggxRefractiveIndex
+    return ggxRefractiveIndex((1.0 + r) / (1.0 - r));
+}
+
+// Schlick's cosine is the one in the thinner medium; beyond the critical angle everything reflects.
+vec3 fresnelSchlickInterface(float cosI, float eta, SchlickFresnel s)
+{
+    float cosT2 = 1.0 - (1.0 - cosI * cosI) / (eta * eta);
+    vec3 f = fresnelSchlick(eta < 1.0 ? sqrt(max(cosT2, 0.0)) : cosI, s);
+    return cosT2 > 0.0 ? f : vec3(1.0);
+}
+
+#endif
