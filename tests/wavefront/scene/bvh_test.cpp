@@ -1,0 +1,327 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the hdWavefront authors
+// What the BVH builder promises: every item in exactly one leaf, boxes that hold their children exactly, bounded
+// stack, the same bytes on any number of threads, and no harm from broken or absurd input.
+#include "wavefront/scene/bvh/bvh.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <cstring>
+#include <functional>
+#include <limits>
+#include <random>
+#include <stdexcept>
+#include <vector>
+
+#include "wavefront/base/parallel.h"
+#include "wavefront/shared/scene_layout.h"
+
+namespace wavefront::bvh {
+namespace {
+
+struct Soup {
+  std::vector<Float3> positions;
+  std::vector<UInt3> triangles;
+
+  void Add(Float3 a, Float3 b, Float3 c) {
+    const auto first = static_cast<uint32_t>(positions.size());
+    positions.insert(positions.end(), {a, b, c});
+    triangles.push_back({first, first + 1, first + 2});
+  }
+};
+
+Soup RandomSoup(uint32_t count, float size, uint32_t seed, float scale = 1) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<float> unit(-1, 1);
+  Soup soup;
+  for (uint32_t i = 0; i < count; ++i) {
+    const Float3 c{unit(random), unit(random), unit(random)};
+    const auto corner = [&] {
+      return Float3{(c.x + size * unit(random)) * scale, (c.y + size * unit(random)) * scale,
+                    (c.z + size * unit(random)) * scale};
+    };
+    const Float3 p0 = corner(), p1 = corner(), p2 = corner();
+    soup.Add(p0, p1, p2);
+  }
+  return soup;
+}
+
+struct Box {
+  double lo[3] = {1e300, 1e300, 1e300}, hi[3] = {-1e300, -1e300, -1e300};
+  void Extend(const Box& b) {
+    for (int i = 0; i < 3; ++i) lo[i] = std::min(lo[i], b.lo[i]), hi[i] = std::max(hi[i], b.hi[i]);
+  }
+  bool Holds(const Box& b) const {
+    for (int i = 0; i < 3; ++i) {
+      if (b.lo[i] < lo[i] || b.hi[i] > hi[i]) return false;
+    }
+    return true;
+  }
+};
+
+Box ChildBox(const BvhNode4& node, uint32_t child) {
+  const uint8_t* const lows[3] = {node.loX, node.loY, node.loZ};
+  const uint8_t* const highs[3] = {node.hiX, node.hiY, node.hiZ};
+  Box box;
+  for (int i = 0; i < 3; ++i) {
+    const double step = std::ldexp(1.0, node.exponents[i] - 127);
+    box.lo[i] = node.origin[i] + lows[i][child] * step;
+    box.hi[i] = node.origin[i] + highs[i][child] * step;
+  }
+  return box;
+}
+
+// Walks a tree, checks its shape, and counts how often each item stands in a leaf.
+struct Walk {
+  const std::vector<BvhNode4>& nodes;
+  uint32_t maxLeafItems;
+  std::function<Box(uint32_t)> itemBox;
+  std::vector<uint32_t> itemUses;
+  std::vector<uint32_t> nodeUses;
+  uint32_t stackEntries = 0, depth = 0;
+
+  // Box of everything below the node.
+  Box Node(uint32_t index, uint32_t entriesAbove, uint32_t level) {
+    Box all;
+    if (index >= nodes.size()) {
+      ADD_FAILURE() << "node " << index << " of " << nodes.size();
+      return all;
+    }
+    ++nodeUses[index];
+    depth = std::max(depth, level);
+    const BvhNode4& node = nodes[index];
+    EXPECT_LE(node.childCount, 4);
+    for (uint32_t c = node.childCount; c < 4; ++c) EXPECT_EQ(node.children[c], layout::kBvhEmpty);
+    const uint32_t entries = entriesAbove + (node.childCount == 0 ? 0 : node.childCount - 1);
+    stackEntries = std::max(stackEntries, entries);
+    for (uint32_t c = 0; c < node.childCount; ++c) {
+      const uint32_t reference = node.children[c];
+      Box inside;
+      if (reference & layout::kBvhLeafBit) {
+        const uint32_t first = reference & layout::kBvhLeafFirstMask;
+        const uint32_t count = (reference >> layout::kBvhLeafCountShift & 15u) + 1;
+        EXPECT_LE(count, maxLeafItems);
+        for (uint32_t i = first; i < first + count; ++i) {
+          if (i >= itemUses.size()) {
+            ADD_FAILURE() << "item " << i << " of " << itemUses.size();
+            return all;
+          }
+          ++itemUses[i];
+          inside.Extend(itemBox(i));
+        }
+      } else {
+        inside = Node(reference, entries, level + 1);
+      }
+      if (!ChildBox(node, c).Holds(inside)) ADD_FAILURE() << "box of child " << c << " of node " << index;
+      all.Extend(inside);
+    }
+    return all;
+  }
+};
+
+Box TriangleBox(const TriangleRecord& t) {
+  Box box;
+  for (const Float3& v : {t.v0, t.v1, t.v2}) box.Extend({{v.x, v.y, v.z}, {v.x, v.y, v.z}});
+  return box;
+}
+
+// Checks all promises about one mesh tree; `inTree` triangles are expected in leaves.
+void CheckMesh(const Soup& soup, const MeshBvh& mesh, size_t inTree) {
+  ASSERT_FALSE(mesh.nodes.empty());
+  ASSERT_EQ(mesh.triangles.size(), soup.triangles.size());
+  Walk walk{mesh.nodes, kMaxLeafTriangles, [&](uint32_t i) { return TriangleBox(mesh.triangles[i]); },
+            std::vector<uint32_t>(inTree), std::vector<uint32_t>(mesh.nodes.size())};
+  const Box all = walk.Node(0, 0, 1);
+  EXPECT_TRUE(std::all_of(walk.itemUses.begin(), walk.itemUses.end(), [](uint32_t n) { return n == 1; }));
+  EXPECT_TRUE(std::all_of(walk.nodeUses.begin(), walk.nodeUses.end(), [](uint32_t n) { return n == 1; }));
+  EXPECT_LE(walk.stackEntries, kMeshStackEntries);
+  EXPECT_LE(walk.depth, kMeshMaxDepth);
+  if (inTree > 0) {
+    EXPECT_EQ(all.lo[0], mesh.bounds.min.x);
+    EXPECT_EQ(all.hi[2], mesh.bounds.max.z);
+  } else {
+    EXPECT_GT(mesh.bounds.min.x, mesh.bounds.max.x);
+  }
+  std::vector<bool> seen(soup.triangles.size());
+  for (const TriangleRecord& t : mesh.triangles) {
+    ASSERT_LT(t.meshTriangle, seen.size());
+    EXPECT_FALSE(seen[t.meshTriangle]);
+    seen[t.meshTriangle] = true;
+    const UInt3 corners = soup.triangles[t.meshTriangle];
+    if (corners.x < soup.positions.size()) {
+      EXPECT_EQ(std::memcmp(&t.v0, &soup.positions[corners.x], sizeof t.v0), 0);
+    }
+  }
+}
+
+void BuildAndCheck(const Soup& soup, size_t inTree) {
+  CheckMesh(soup, BuildMeshBvh(soup.positions, soup.triangles, {}), inTree);
+}
+
+TEST(MeshBvh, HoldsEveryTriangleOnce) {
+  for (const uint32_t count : {1u, 2u, 3u, 4u, 5u, 8u, 9u, 17u, 100u, 5000u, 70000u}) {
+    SCOPED_TRACE(count);
+    BuildAndCheck(RandomSoup(count, 0.05f, count), count);
+  }
+}
+
+TEST(MeshBvh, EmptyMeshHasARootWithoutChildren) {
+  const MeshBvh mesh = BuildMeshBvh({}, {}, {});
+  ASSERT_EQ(mesh.nodes.size(), 1u);
+  EXPECT_EQ(mesh.nodes[0].childCount, 0);
+  CheckMesh({}, mesh, 0);
+}
+
+TEST(MeshBvh, ScalesAndOffsetsKeepBoxesConservative) {
+  for (const float scale : {1e-38f, 1e-30f, 1e-4f, 1e5f, 1e17f}) {
+    SCOPED_TRACE(scale);
+    BuildAndCheck(RandomSoup(3000, 0.1f, 7, scale), 3000);
+  }
+  Soup far = RandomSoup(3000, 0.1f, 8);
+  for (Float3& p : far.positions) p.x += 1e5f, p.y -= 3e7f;
+  size_t withArea = 0;
+  for (const UInt3& t : far.triangles) {
+    const auto same = [&](uint32_t a, uint32_t b) {
+      return std::memcmp(&far.positions[a], &far.positions[b], sizeof(Float3)) == 0;
+    };
+    withArea += !same(t.x, t.y) && !same(t.y, t.z) && !same(t.z, t.x);
+  }
+  BuildAndCheck(far, withArea);
+}
+
+TEST(MeshBvh, MixedSizesStayWithinTheStack) {
+  // Sizes over 30 orders of magnitude around one point: SAH alone would make a chain of single triangles.
+  Soup soup;
+  for (int i = 0; i < 2000; ++i) {
+    const float s = std::pow(10.0f, -15.0f + 30.0f * i / 2000.0f);
+    soup.Add({-s, -s, s}, {s, -s, s}, {0, s, s});
+  }
+  BuildAndCheck(soup, 2000);
+}
+
+TEST(MeshBvh, CoincidentTrianglesNeitherRecurseNorCrawl) {
+  Soup soup;
+  soup.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+  soup.triangles.assign(1000000, {0, 1, 2});
+  BuildAndCheck(soup, soup.triangles.size());
+}
+
+TEST(MeshBvh, BrokenTrianglesAreCountedAndStandInNoLeaf) {
+  constexpr float kNan = std::numeric_limits<float>::quiet_NaN(), kInf = std::numeric_limits<float>::infinity();
+  Soup soup = RandomSoup(100, 0.1f, 3);
+  soup.Add({kNan, 0, 0}, {1, 0, 0}, {0, 1, 0});
+  soup.Add({0, 0, 0}, {kInf, 0, 0}, {0, 1, 0});
+  soup.Add({0, 0, 0}, {1e30f, 0, 0}, {0, 1e30f, 0});
+  soup.Add({0, 0, 0}, {1, 0, 0}, {1, 0, 0});  // no area
+  soup.triangles.push_back({0, 1, 0xffffffffu});
+  const MeshBvh mesh = BuildMeshBvh(soup.positions, soup.triangles, {});
+  CheckMesh(soup, mesh, 100);
+  EXPECT_EQ(mesh.brokenTriangles, 4u);
+}
+
+TEST(MeshBvh, KeepsMaterialSlots) {
+  const Soup soup = RandomSoup(500, 0.1f, 5);
+  std::vector<uint16_t> slots(500);
+  for (uint16_t i = 0; i < 500; ++i) slots[i] = i * 131;
+  for (const TriangleRecord& t : BuildMeshBvh(soup.positions, soup.triangles, slots).triangles) {
+    EXPECT_EQ(t.materialSlot, slots[t.meshTriangle]);
+  }
+}
+
+bool SameBytes(const MeshBvh& a, const MeshBvh& b) {
+  return a.nodes.size() == b.nodes.size() && a.triangles.size() == b.triangles.size() &&
+         std::memcmp(a.nodes.data(), b.nodes.data(), a.nodes.size() * sizeof(BvhNode4)) == 0 &&
+         std::memcmp(a.triangles.data(), b.triangles.data(), a.triangles.size() * sizeof(TriangleRecord)) == 0;
+}
+
+TEST(MeshBvh, ThreadCountDoesNotShow) {
+  const Soup soup = RandomSoup(300000, 0.01f, 11);
+  const MeshBvh one = BuildMeshBvh(soup.positions, soup.triangles, {}, {1});
+  for (const unsigned threads : {2u, 3u, 7u}) {
+    EXPECT_TRUE(SameBytes(one, BuildMeshBvh(soup.positions, soup.triangles, {}, {threads}))) << threads;
+  }
+}
+
+TEST(MeshBvh, ManyMeshesEqualSingleBuilds) {
+  std::vector<Soup> soups;
+  std::vector<MeshInput> inputs;
+  for (uint32_t i = 0; i < 40; ++i) soups.push_back(RandomSoup(i == 20 ? 80000 : i * 37, 0.1f, i));
+  for (const Soup& soup : soups) inputs.push_back({soup.positions, soup.triangles, {}});
+  const std::vector<MeshBvh> built = BuildMeshBvhs(inputs, {3});
+  ASSERT_EQ(built.size(), soups.size());
+  for (size_t i = 0; i < soups.size(); ++i) {
+    EXPECT_TRUE(SameBytes(built[i], BuildMeshBvh(soups[i].positions, soups[i].triangles, {}, {1}))) << i;
+  }
+}
+
+TEST(InstanceBvh, HoldsEveryUsableInstanceOnceUnderItsOwnIndex) {
+  std::mt19937 random(5);
+  std::uniform_real_distribution<float> unit(0, 1);
+  for (const uint32_t count : {0u, 1u, 2u, 5u, 16u, 17u, 3000u}) {
+    SCOPED_TRACE(count);
+    std::vector<Bounds3> bounds(count);
+    for (Bounds3& b : bounds) {
+      b.min = {unit(random), unit(random), unit(random)};
+      b.max = {b.min.x + 0.1f * unit(random), b.min.y + 0.1f, b.min.z};
+    }
+    const InstanceBvh tree = BuildInstanceBvh(bounds);
+    EXPECT_EQ(tree.skipped, 0u);
+    Walk walk{tree.nodes, 1,
+              [&](uint32_t i) {
+                const Bounds3& b = bounds[i];
+                return Box{{b.min.x, b.min.y, b.min.z}, {b.max.x, b.max.y, b.max.z}};
+              },
+              std::vector<uint32_t>(count), std::vector<uint32_t>(tree.nodes.size())};
+    walk.Node(0, 0, 1);
+    EXPECT_TRUE(std::all_of(walk.itemUses.begin(), walk.itemUses.end(), [](uint32_t n) { return n == 1; }));
+    EXPECT_LE(walk.stackEntries, kInstanceStackEntries);
+  }
+}
+
+TEST(InstanceBvh, SkipsUnusableBoundsAndSurvivesCoincidentOnes) {
+  std::vector<Bounds3> bounds(100000, Bounds3{{0, 0, 0}, {1, 1, 1}});
+  bounds[5] = Bounds3{};  // empty
+  bounds[6].max.y = std::numeric_limits<float>::quiet_NaN();
+  bounds[7].max.y = std::numeric_limits<float>::infinity();
+  EXPECT_EQ(BuildInstanceBvh(bounds).skipped, 3u);
+}
+
+TEST(InstanceBounds, HoldTransformedCornersAndAllowForRounding) {
+  std::mt19937 random(9);
+  std::uniform_real_distribution<float> unit(-1, 1);
+  for (int trial = 0; trial < 1000; ++trial) {
+    Rows3x4 m, w{};
+    for (Float4& row : m) row = {unit(random), unit(random), unit(random), 100 * unit(random)};
+    const Bounds3 object{{-1, -2, 0}, {1, 3, 0}};
+    const Bounds3 world = InstanceBounds(object, m, w);
+    for (int corner = 0; corner < 4; ++corner) {
+      const double x = corner & 1 ? 1 : -1, y = corner & 2 ? 3 : -2;
+      const double px = double(m[0].x) * x + double(m[0].y) * y + m[0].w;
+      EXPECT_LT(world.min.x, px);
+      EXPECT_GT(world.max.x, px);
+    }
+    EXPECT_LT(double(world.max.x) - world.min.x, 2 * (std::fabs(m[0].x) + 3 * std::fabs(m[0].y)) + 1e-3);
+  }
+}
+
+TEST(InstanceBounds, SingularTransformsAreEmpty) {
+  Rows3x4 m{{{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}}, w = m;
+  w[0].x = std::numeric_limits<float>::infinity();
+  const Bounds3 b = InstanceBounds({{0, 0, 0}, {1, 1, 1}}, m, w);
+  EXPECT_GT(b.min.x, b.max.x);
+  EXPECT_GT(InstanceBounds(Bounds3{}, m, m).min.x, 0);
+}
+
+TEST(ParallelFor, CallsEachIndexOnceAndPassesErrorsOn) {
+  std::vector<std::atomic<int>> calls(1000);
+  ParallelFor(calls.size(), 4, [&](size_t i) { ++calls[i]; });
+  for (const auto& n : calls) EXPECT_EQ(n.load(), 1);
+  EXPECT_THROW(ParallelFor(100, 4, [](size_t i) { if (i == 50) throw std::runtime_error("stop"); }),
+               std::runtime_error);
+}
+
+}  // namespace
+}  // namespace wavefront::bvh

@@ -1,0 +1,405 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the hdWavefront authors
+// Binned SAH (Wald, "On fast construction of SAH-based bounding volume hierarchies", 2007), wide nodes made
+// directly: a node's range is split, then its largest part, until there are four. A part of the tree with many
+// items is split by all threads together; parts below a size that depends on the input alone become tasks.
+#include "wavefront/scene/bvh/wide_builder.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <limits>
+
+#include "wavefront/base/check.h"
+#include "wavefront/base/parallel.h"
+#include "wavefront/scene/bvh/vector4.h"
+#include "wavefront/shared/scene_layout.h"
+
+namespace wavefront::bvh {
+namespace {
+
+constexpr uint32_t kIndexDisguise = 0x40000000u;  // exponent bits of 2.0f: below 2^29 every index is a normal float
+constexpr uint32_t kMaxBins = 16;
+constexpr uint32_t kMinTaskItems = 2048;
+constexpr uint32_t kTasksPerTree = 128;           // parts below items / this many become tasks
+constexpr uint32_t kBinChunk = 1u << 16;          // items that one thread bins at a time
+constexpr uint32_t kTaskReference = 0x40000000u;  // child reference: number of a task, until its nodes are appended
+
+struct Range {
+  uint32_t begin = 0, end = 0;
+  Box4 bounds;     // of the boxes
+  Box4 centroids;  // of lo + hi (twice the centre)
+  bool isLeaf = false;
+  uint32_t size() const { return end - begin; }
+};
+
+struct Bin {
+  Box4 bounds;
+  uint32_t count = 0;
+};
+struct Bins {
+  Bin axis[3][kMaxBins];
+};
+
+// Maps twice a centre to a bin of each axis.
+struct BinMapping {
+  Vec4 base, scale;
+  uint32_t count;
+
+  BinMapping(const Range& range) : base(range.centroids.lo) {
+    count = std::min(kMaxBins, 4 + range.size() / 2);
+    float k[4];
+    const auto lo = Store(range.centroids.lo), hi = Store(range.centroids.hi);
+    for (int i = 0; i < 3; ++i) {
+      const float extent = hi[i] - lo[i];
+      k[i] = extent > 0 ? static_cast<float>(count) * 0.9999f / extent : 0;
+      if (!(k[i] <= std::numeric_limits<float>::max())) k[i] = 0;  // extent is a denormal
+    }
+    k[3] = 0;
+    scale = Load(k);
+  }
+  std::array<int32_t, 4> Of(const BuildItem& item) const {
+    return TruncateToInt(Mul(Sub(Add(Load(item.lo), Load(item.hi)), base), scale));
+  }
+};
+
+struct Split {
+  int axis = -1;
+  uint32_t bin = 0;  // items in bins below this go left
+  double cost = std::numeric_limits<double>::infinity();
+  Box4 leftBounds, rightBounds;
+};
+
+void FillBins(const BuildItem* items, uint32_t begin, uint32_t end, const BinMapping& mapping, Bins& bins) {
+  const int32_t last = static_cast<int32_t>(mapping.count) - 1;
+  for (uint32_t i = begin; i < end; ++i) {
+    const auto at = mapping.Of(items[i]);
+    const Vec4 lo = Load(items[i].lo), hi = Load(items[i].hi);
+    for (int axis = 0; axis < 3; ++axis) {
+      Bin& bin = bins.axis[axis][std::clamp(at[axis], 0, last)];
+      bin.bounds.lo = Min(bin.bounds.lo, lo);
+      bin.bounds.hi = Max(bin.bounds.hi, hi);
+      ++bin.count;
+    }
+  }
+}
+
+// The cheapest split over all axes and bins; ties go to the first axis, then the first bin.
+Split BestSplit(const Bins& bins, uint32_t binCount) {
+  Split best;
+  for (int axis = 0; axis < 3; ++axis) {
+    const Bin* row = bins.axis[axis];
+    std::array<Box4, kMaxBins> fromRight;
+    std::array<uint32_t, kMaxBins> countRight;
+    Box4 box;
+    uint32_t count = 0;
+    for (uint32_t i = binCount; i-- > 1;) {
+      box.Extend(row[i].bounds);
+      count += row[i].count;
+      fromRight[i] = box;
+      countRight[i] = count;
+    }
+    box = Box4{};
+    count = 0;
+    for (uint32_t i = 1; i < binCount; ++i) {
+      box.Extend(row[i - 1].bounds);
+      count += row[i - 1].count;
+      if (count == 0 || countRight[i] == 0) continue;
+      const double cost = box.HalfArea() * count + fromRight[i].HalfArea() * countRight[i];
+      if (cost < best.cost) best = {axis, i, cost, box, fromRight[i]};
+    }
+  }
+  return best;
+}
+
+// Nodes that a complete 4-ary tree over `items` needs from its root down.
+uint32_t CompleteDepth(uint32_t items, uint32_t maxLeafItems) {
+  uint32_t depth = 1;
+  for (uint64_t capacity = 4ull * maxLeafItems; capacity < items; capacity *= 4) ++depth;
+  return depth;
+}
+
+class Builder {
+ public:
+  Builder(std::vector<BuildItem>& items, const WideBuildSettings& settings) : items_(items), settings_(settings) {}
+
+  std::vector<BvhNode4> Build() {
+    const uint32_t count = static_cast<uint32_t>(items_.size());
+    taskItems_ = std::max(kMinTaskItems, count / kTasksPerTree);
+    const Range root = WholeRange(0, count);
+    std::vector<BvhNode4> nodes;
+    nodes.reserve(count / 2 / settings_.maxLeafItems + 16);
+    BuildNode(root, settings_.maxDepth, nodes, true);
+    std::vector<std::vector<BvhNode4>> parts(tasks_.size());
+    ParallelFor(tasks_.size(), settings_.threads, [&](size_t i) {
+      BuildNode(tasks_[i].range, tasks_[i].depthLeft, parts[i], false);
+    });
+    Append(nodes, parts);
+    return nodes;
+  }
+
+ private:
+  struct Task {
+    Range range;
+    uint32_t depthLeft;
+  };
+
+  Range WholeRange(uint32_t begin, uint32_t end) const {
+    Range range{begin, end, {}, {}, false};
+    for (uint32_t i = begin; i < end; ++i) {
+      const Vec4 lo = Load(items_[i].lo), hi = Load(items_[i].hi), centre = Add(lo, hi);
+      range.bounds.Extend({lo, hi});
+      range.centroids.Extend({centre, centre});
+    }
+    return range;
+  }
+
+  // Makes the node over `range` and all below it; returns its index in `nodes`. In the top part of the tree,
+  // large ranges are split by all threads and small ones are left as tasks.
+  uint32_t BuildNode(const Range& range, uint32_t depthLeft, std::vector<BvhNode4>& nodes, bool isTop) {
+    const uint32_t index = static_cast<uint32_t>(nodes.size());
+    nodes.emplace_back();
+    std::array<Range, 4> parts;
+    const uint32_t partCount = Divide(range, depthLeft, parts);
+    BvhNode4 node = MakeNode(parts, partCount);
+    for (uint32_t i = 0; i < partCount; ++i) {
+      if (parts[i].isLeaf) {
+        node.children[i] = LeafReference(parts[i]);
+      } else if (isTop && parts[i].size() <= taskItems_) {
+        node.children[i] = kTaskReference | static_cast<uint32_t>(tasks_.size());
+        tasks_.push_back({parts[i], depthLeft - 1});
+      } else {
+        node.children[i] = BuildNode(parts[i], depthLeft - 1, nodes, isTop);
+      }
+    }
+    nodes[index] = node;
+    return index;
+  }
+
+  uint32_t LeafReference(const Range& range) const {
+    const uint32_t first = settings_.leafIsItemIndex ? ItemIndex(items_[range.begin]) : range.begin;
+    return layout::kBvhLeafBit | (range.size() - 1) << layout::kBvhLeafCountShift | first;
+  }
+
+  // Up to four parts of `range`, each either a leaf or small enough for the depth that is left to it.
+  uint32_t Divide(const Range& range, uint32_t depthLeft, std::array<Range, 4>& parts) {
+    if (range.size() == 0) return 0;
+    const uint32_t needed = CompleteDepth(range.size(), settings_.maxLeafItems);
+    WAVEFRONT_CHECK(needed <= depthLeft, "%u items, %u levels left", range.size(), depthLeft);
+    // Without depth to spare, only equal parts are sure to fit.
+    const bool equalParts = needed == depthLeft;
+    parts[0] = range;
+    uint32_t count = 1;
+    while (count < 4) {
+      uint32_t chosen = 4;
+      double largest = -1;
+      for (uint32_t i = 0; i < count; ++i) {
+        if (parts[i].isLeaf) continue;
+        const double size = equalParts ? parts[i].size() : parts[i].bounds.HalfArea();
+        if (size > largest) chosen = i, largest = size;
+      }
+      if (chosen == 4) break;
+      Range left, right;
+      if (SplitRange(parts[chosen], equalParts, left, right)) {
+        std::copy_backward(parts.begin() + chosen + 1, parts.begin() + count, parts.begin() + count + 1);
+        parts[chosen] = left;
+        parts[chosen + 1] = right;
+        ++count;
+      } else {
+        parts[chosen].isLeaf = true;
+      }
+    }
+    // Parts that the full node left unsplit: a small one is a leaf.
+    for (uint32_t i = 0; i < count; ++i) parts[i].isLeaf = parts[i].size() <= settings_.maxLeafItems;
+    return count;
+  }
+
+  // False: the range is better left together as a leaf.
+  bool SplitRange(const Range& range, bool equalParts, Range& left, Range& right) {
+    const uint32_t count = range.size();
+    if (count == 1) return false;
+    const bool mayBeLeaf = count <= settings_.maxLeafItems;
+    if (!equalParts || mayBeLeaf) {
+      const BinMapping mapping(range);
+      Bins bins;
+      BinRange(range, mapping, bins);
+      const Split split = BestSplit(bins, mapping.count);
+      // While the node has room, one more child is free: any gain is worth it.
+      if (mayBeLeaf && !(split.cost < range.bounds.HalfArea() * count)) return false;
+      if (split.axis >= 0) {
+        Partition(range, mapping, split, left, right);
+        return true;
+      }
+    }
+    SplitAtMedian(range, left, right);
+    return true;
+  }
+
+  void BinRange(const Range& range, const BinMapping& mapping, Bins& bins) const {
+    const uint32_t count = range.size();
+    const uint32_t chunks = (count + kBinChunk - 1) / kBinChunk;
+    if (settings_.threads == 1 || chunks < 2) {
+      FillBins(items_.data(), range.begin, range.end, mapping, bins);
+      return;
+    }
+    // Boxes and counts merge exactly, so how the work was cut does not show.
+    std::vector<Bins> partial(std::min<size_t>(settings_.threads, chunks));
+    ParallelFor(partial.size(), settings_.threads, [&](size_t part) {
+      const auto cut = [&](size_t i) { return range.begin + static_cast<uint32_t>(count * i / partial.size()); };
+      FillBins(items_.data(), cut(part), cut(part + 1), mapping, partial[part]);
+    });
+    for (const Bins& part : partial) {
+      for (int axis = 0; axis < 3; ++axis) {
+        for (uint32_t i = 0; i < mapping.count; ++i) {
+          bins.axis[axis][i].bounds.Extend(part.axis[axis][i].bounds);
+          bins.axis[axis][i].count += part.axis[axis][i].count;
+        }
+      }
+    }
+  }
+
+  void Partition(const Range& range, const BinMapping& mapping, const Split& split, Range& left, Range& right) {
+    left.bounds = split.leftBounds;
+    right.bounds = split.rightBounds;
+    left.centroids = right.centroids = Box4{};
+    const int32_t last = static_cast<int32_t>(mapping.count) - 1;
+    const int32_t cut = static_cast<int32_t>(split.bin);
+    uint32_t i = range.begin, j = range.end;
+    while (i < j) {
+      const BuildItem item = items_[i];
+      const Vec4 centre = Add(Load(item.lo), Load(item.hi));
+      if (std::clamp(mapping.Of(item)[split.axis], 0, last) < cut) {
+        left.centroids.Extend({centre, centre});
+        ++i;
+      } else {
+        right.centroids.Extend({centre, centre});
+        --j;
+        items_[i] = items_[j];
+        items_[j] = item;
+      }
+    }
+    left.begin = range.begin;
+    left.end = right.begin = i;
+    right.end = range.end;
+  }
+
+  // Halves by order along the widest axis, ties by index: always makes progress.
+  void SplitAtMedian(const Range& range, Range& left, Range& right) {
+    const auto lo = Store(range.centroids.lo), hi = Store(range.centroids.hi);
+    int axis = 0;
+    for (int i = 1; i < 3; ++i) {
+      if (hi[i] - lo[i] > hi[axis] - lo[axis]) axis = i;
+    }
+    const uint32_t middle = range.begin + range.size() / 2;
+    std::nth_element(items_.begin() + range.begin, items_.begin() + middle, items_.begin() + range.end,
+                     [axis](const BuildItem& a, const BuildItem& b) {
+                       const float ca = a.lo[axis] + a.hi[axis], cb = b.lo[axis] + b.hi[axis];
+                       return ca != cb ? ca < cb : ItemIndex(a) < ItemIndex(b);
+                     });
+    left = WholeRange(range.begin, middle);
+    right = WholeRange(middle, range.end);
+  }
+
+  static BvhNode4 MakeNode(const std::array<Range, 4>& parts, uint32_t count);
+
+  // Puts the tasks' nodes behind the top part, in the order of the tasks, and resolves references to them.
+  void Append(std::vector<BvhNode4>& nodes, std::vector<std::vector<BvhNode4>>& parts) const {
+    std::vector<uint32_t> bases(parts.size());
+    size_t total = nodes.size();
+    for (size_t i = 0; i < parts.size(); ++i) {
+      bases[i] = static_cast<uint32_t>(total);
+      total += parts[i].size();
+    }
+    for (BvhNode4& node : nodes) {
+      for (uint32_t c = 0; c < node.childCount; ++c) {
+        if ((node.children[c] & layout::kBvhLeafBit) == 0 && (node.children[c] & kTaskReference) != 0) {
+          node.children[c] = bases[node.children[c] & ~kTaskReference];
+        }
+      }
+    }
+    nodes.reserve(total);
+    for (size_t i = 0; i < parts.size(); ++i) {
+      for (BvhNode4 node : parts[i]) {
+        for (uint32_t c = 0; c < node.childCount; ++c) {
+          if ((node.children[c] & layout::kBvhLeafBit) == 0) node.children[c] += bases[i];
+        }
+        nodes.push_back(node);
+      }
+      parts[i] = {};
+    }
+    nodes.shrink_to_fit();
+  }
+
+  std::vector<BuildItem>& items_;
+  const WideBuildSettings settings_;
+  uint32_t taskItems_ = 0;
+  std::vector<Task> tasks_;
+};
+
+// Steps of 2^(exponent - 127) from `origin` that cover up to `hi` in at most 255 steps.
+uint32_t StepExponent(double origin, double hi) {
+  int exponent = 1;
+  const double extent = hi - origin;
+  if (extent > 0) {
+    std::frexp(extent / 255, &exponent);  // extent / 255 < 2^exponent
+    exponent = std::max(exponent + 127, 1);
+    while (exponent > 1 && std::ldexp(255, exponent - 1 - 127) >= extent) --exponent;
+  }
+  return static_cast<uint32_t>(exponent);
+}
+
+BvhNode4 Builder::MakeNode(const std::array<Range, 4>& parts, uint32_t count) {
+  BvhNode4 node{};
+  node.childCount = static_cast<uint8_t>(count);
+  std::fill(std::begin(node.children), std::end(node.children), layout::kBvhEmpty);
+  Box4 whole;
+  for (uint32_t i = 0; i < count; ++i) whole.Extend(parts[i].bounds);
+  uint8_t* const lows[3] = {node.loX, node.loY, node.loZ};
+  uint8_t* const highs[3] = {node.hiX, node.hiY, node.hiZ};
+  const auto wholeLo = Store(whole.lo), wholeHi = Store(whole.hi);
+  for (int axis = 0; axis < 3; ++axis) {
+    if (count == 0) {
+      node.exponents[axis] = 1;
+      continue;
+    }
+    const double origin = wholeLo[axis];
+    node.origin[axis] = wholeLo[axis];
+    const uint32_t exponent = StepExponent(origin, wholeHi[axis]);
+    node.exponents[axis] = static_cast<uint8_t>(exponent);
+    const double step = std::ldexp(1.0, static_cast<int>(exponent) - 127);
+    for (uint32_t i = 0; i < count; ++i) {
+      const double lo = Store(parts[i].bounds.lo)[axis], hi = Store(parts[i].bounds.hi)[axis];
+      int low = static_cast<int>(std::clamp(std::floor((lo - origin) / step), 0.0, 255.0));
+      int high = static_cast<int>(std::clamp(std::ceil((hi - origin) / step), 0.0, 255.0));
+      while (low > 0 && origin + low * step > lo) --low;  // the quotient was rounded
+      while (high < 255 && origin + high * step < hi) ++high;
+      lows[axis][i] = static_cast<uint8_t>(low);
+      highs[axis][i] = static_cast<uint8_t>(high);
+    }
+  }
+  return node;
+}
+
+}  // namespace
+
+BuildItem MakeItem(const Float3& lo, const Float3& hi, uint32_t index) {
+  const uint32_t disguised = kIndexDisguise | index;
+  BuildItem item{{lo.x, lo.y, lo.z, 0}, {hi.x, hi.y, hi.z, 0}};
+  std::memcpy(&item.lo[3], &disguised, sizeof disguised);
+  return item;
+}
+
+uint32_t ItemIndex(const BuildItem& item) {
+  uint32_t bits = 0;
+  std::memcpy(&bits, &item.lo[3], sizeof bits);
+  return bits & ~kIndexDisguise;
+}
+
+std::vector<BvhNode4> BuildWide(std::vector<BuildItem>& items, const WideBuildSettings& settings) {
+  WAVEFRONT_CHECK(items.size() <= kMaxTriangles, "%zu items", items.size());
+  WAVEFRONT_CHECK(settings.maxLeafItems >= 1 && settings.maxLeafItems <= 8, "%u", settings.maxLeafItems);
+  WAVEFRONT_CHECK(!settings.leafIsItemIndex || settings.maxLeafItems == 1, "%u", settings.maxLeafItems);
+  return Builder(items, settings).Build();
+}
+
+}  // namespace wavefront::bvh
