@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the hdWavefront authors
+// The render delegate, Hydra-shaped and host-neutral: prims by type and path, typed Sync, CommitResources, a render that
+// goes on in the background. Both hosts (plugin/python, plugin/hydra) stay thin above it.
+//
+// One frame: Create and Sync (any order, any thread) -> PendingTextures -> SetTexture for each -> CommitResources -> Start.
+// Threads: Sync may be called from several threads at once for different prims; CommitResources, PendingTextures, Start,
+// Pause, Resume, Stop belong to one thread at a time; Map, progress, IsConverged, stats, diagnostics to any.
+// Sync keeps what it is given and compares: a value that did not change marks nothing dirty. All work (triangles, kernels,
+// instance transforms) is done in CommitResources, in parallel, for dirty prims only.
+// Errors: Status for the environment and for arguments that make no sense; scene content gives diagnostics.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "delegate/diagnostics.h"
+#include "delegate/prims/camera.h"
+#include "delegate/prims/gprim.h"
+#include "delegate/prims/instancer.h"
+#include "delegate/prims/light.h"
+#include "delegate/prims/material.h"
+#include "delegate/settings.h"
+#include "delegate/textures.h"
+#include "wavefront/renderer.h"
+
+namespace delegate {
+
+struct RenderDelegateOptions {
+  std::string device;
+  bool validation = false;
+  uint64_t memoryBudget = 0;
+  uint32_t threads = 0;              // host threads; 0: all
+  std::string materialxLibraries;    // folder holding stdlib, pbrlib, bxdf
+};
+
+// Hydra's HdRenderPassState in one update.
+struct RenderPassUpdate {
+  std::optional<std::string> camera;                  // path
+  std::optional<uint32_t> width, height;
+  std::optional<double> pixelAspectRatio;
+  std::optional<ConformPolicy> windowPolicy;          // default Fit (UsdRender's expandAperture)
+  std::optional<std::vector<std::string>> renderTags; // default: geometry, render and proxy;
+                                                      // "" counts as "geometry"
+  std::optional<std::vector<wavefront::Aov>> aovs;    // Color is always there
+};
+
+// What was done so far; tests prove with it that an edit does no needless work.
+struct DelegateCounters {
+  uint64_t meshesBuilt = 0, meshesUploaded = 0, instancesUploaded = 0, lightsUploaded = 0, camerasUploaded = 0,
+           materialsGenerated = 0, materialsUploaded = 0, kernelsCompiled = 0, texturesUploaded = 0, commits = 0;
+};
+
+class RenderDelegate {
+ public:
+  static wavefront::Result<std::unique_ptr<RenderDelegate>> Create(const RenderDelegateOptions& options);
+  // For tests and for hosts that bring their own. `log` collects what all three report.
+  RenderDelegate(std::unique_ptr<wavefront::Renderer> renderer, std::unique_ptr<materialgen::Generator> generator,
+                 std::shared_ptr<DiagnosticLog> log, uint32_t threads = 0);
+  ~RenderDelegate();
+  RenderDelegate(const RenderDelegate&) = delete;
+  RenderDelegate& operator=(const RenderDelegate&) = delete;
+
+  // --- Prims. A type that is not supported gives an error. The first Sync of a path creates the prim as well. Syncing the
+  // other kind of Rprim to a path makes it that kind.
+  static const std::vector<std::string>& SupportedRprimTypes();
+  static const std::vector<std::string>& SupportedSprimTypes();
+  wavefront::Status CreateRprim(const std::string& type, const std::string& path);
+  wavefront::Status CreateSprim(const std::string& type, const std::string& path);
+  void CreateInstancer(const std::string& path);
+  void Sync(const std::string& path, MeshUpdate update);
+  void Sync(const std::string& path, ImplicitUpdate update);
+  void Sync(const std::string& path, InstancerUpdate update);
+  void Sync(const std::string& path, LightUpdate update);
+  void Sync(const std::string& path, CameraUpdate update);
+  void Sync(const std::string& path, MaterialUpdate update);
+  void DestroyRprim(const std::string& path);       // unknown paths are nothing to do
+  void DestroySprim(const std::string& path);       // light, camera and material of that path
+  void DestroyInstancer(const std::string& path);
+
+  // --- Textures. Generates dirty materials first.
+  std::vector<TextureLoadRequest> PendingTextures();
+  wavefront::Status SetTexture(uint32_t key, wavefront::TextureData data);
+  wavefront::Status SetTextureMissing(uint32_t key, const std::string& reason);
+
+  // --- Settings and what is rendered.
+  wavefront::Status SetRenderPass(const RenderPassUpdate& update);
+  wavefront::Result<bool> SetRenderSetting(const std::string& token, const SettingValue& value);  // true: changed
+  wavefront::Result<SettingValue> GetRenderSetting(const std::string& token) const;
+  uint32_t GetRenderSettingsVersion() const;         // grows on changed values only
+
+  // --- Render.
+  wavefront::Status CommitResources();
+  uint64_t version() const { return renderer_->version(); }  // grows when the image restarts
+  wavefront::Status Start() { return renderer_->Start(); }
+  void Pause() { renderer_->Pause(); }
+  void Resume() { renderer_->Resume(); }
+  void Stop() { renderer_->Stop(); }
+  bool WaitUntilDone(double seconds) { return renderer_->WaitUntilDone(seconds); }
+  wavefront::Status status() const { return renderer_->status(); }
+  bool IsConverged() const { return renderer_->IsConverged(); }
+  wavefront::Progress progress() const { return renderer_->progress(); }
+  wavefront::Result<wavefront::AovImage> Map(wavefront::Aov aov) { return renderer_->Map(aov); }
+  wavefront::Result<wavefront::RawFilm> ReadFilm() { return renderer_->ReadFilm(); }
+  wavefront::RenderStats stats() const { return renderer_->stats(); }
+  DelegateCounters counters() const;
+  CameraMatrices cameraMatrices() const;              // of the committed camera
+  std::vector<wavefront::Diagnostic> diagnostics(size_t since = 0) const { return log_->Read(since); }
+  wavefront::Renderer& renderer() { return *renderer_; }
+
+  // Name, lobes and primvars of each kernel, and the materials on it, for statistics.
+  struct KernelUse {
+    std::string key;
+    std::vector<std::string> lobes, primvars, materials;
+    double generateMilliseconds = 0, compileMilliseconds = 0;
+  };
+  std::vector<KernelUse> kernelUses() const;
+  // GLSL of a material's kernel entries, for inspection; empty: unknown path or not generated yet.
+  std::vector<std::pair<std::string, std::string>> MaterialSource(const std::string& path) const;
+
+ private:
+  struct Impl;
+  std::shared_ptr<DiagnosticLog> log_;
+  std::unique_ptr<wavefront::Renderer> renderer_;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace delegate

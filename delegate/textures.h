@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the hdWavefront authors
+// Images that materials and lights ask for. The host decodes each once; the core holds it as long as it is asked for.
+#pragma once
+
+#include <compare>
+#include <cstdint>
+#include <map>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "wavefront/base/diagnostics.h"
+#include "wavefront/renderer.h"
+
+namespace delegate {
+
+// What makes two requests the same image.
+struct TextureKey {
+  std::string resolvedPath;  // empty: the host's resolver found nothing; then authoredPath tells them apart
+  std::string authoredPath;  // only where resolvedPath is empty
+  std::string colorSpace;    // "raw", "sRGB", "auto", a colour space's name, or empty: the file decides
+  bool isColor = true;       // false: data, never colour-managed
+  auto operator<=>(const TextureKey&) const = default;
+};
+
+struct TextureLoadRequest {
+  uint32_t key = 0;          // names the image in SetTexture and SetTextureMissing; never reused
+  TextureKey texture;
+  std::string authoredPath;
+  std::string location;      // node or light that asked first, by path
+};
+
+// Thread-safe. Users (materials, lights) acquire and release by key; an image nobody uses any more is given back to the
+// core at the next Collect.
+class TextureTable {
+ public:
+  // Both must outlive the table.
+  TextureTable(wavefront::Renderer& renderer, wavefront::DiagnosticSink sink);
+
+  // One more user, named for diagnostics. Returns the key; the image is pending until the host answers.
+  uint32_t Acquire(const TextureKey& texture, const std::string& authoredPath, const std::string& location);
+  void Release(uint32_t key);
+
+  // Used, and neither loaded nor missing; sorted by texture key. Images without a resolved path are never pending: they are
+  // missing, and their diagnostic is given when they are acquired.
+  std::vector<TextureLoadRequest> Pending() const;
+  // An error where the key is unknown or the data do not fit their size. A second image replaces the first.
+  wavefront::Status Set(uint32_t key, wavefront::TextureData data);
+  wavefront::Status SetMissing(uint32_t key, const std::string& reason);
+
+  wavefront::TextureId Id(uint32_t key) const;  // kInvalidId: not loaded or missing
+  uint64_t version() const;                     // grows when an Id changes
+  uint64_t uploads() const;
+  void Collect();
+
+ private:
+  struct Entry {
+    TextureLoadRequest request;
+    uint32_t users = 0;
+    wavefront::TextureId id = wavefront::kInvalidId;
+    bool missing = false;
+    std::string reason;
+  };
+  void ReportMissing(const Entry& entry, const std::string& location) const;
+
+  mutable std::mutex mutex_;
+  wavefront::Renderer& renderer_;
+  wavefront::DiagnosticSink sink_;
+  std::map<TextureKey, uint32_t> keys_;
+  std::map<uint32_t, Entry> entries_;
+  uint32_t nextKey_ = 1;
+  uint64_t version_ = 0, uploads_ = 0;
+};
+
+}  // namespace delegate
