@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the hdWavefront authors
+#include "wavefront/vulkan/device.h"
+
+#include <algorithm>
+#include <atomic>
+#include <cstdlib>
+
+#include "wavefront/vulkan/context.h"
+#include "wavefront/vulkan/transfer.h"
+
+namespace wavefront::vulkan {
+namespace {
+
+std::atomic<int64_t> liveDevices{0};
+
+std::string Environment(const char* name) {
+  const char* text = std::getenv(name);
+  return text != nullptr ? text : "";
+}
+
+Status CreateLogicalDevice(Context& context) {
+  const float priority = 1;
+  auto queue = Struct<VkDeviceQueueCreateInfo>(VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO);
+  queue.queueFamilyIndex = context.queueFamily;
+  queue.queueCount = 1;
+  queue.pQueuePriorities = &priority;
+  Features features;
+  EnableFeatures(context.physical, features);
+  auto info = Struct<VkDeviceCreateInfo>(VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO, &features.core);
+  info.queueCreateInfoCount = 1;
+  info.pQueueCreateInfos = &queue;
+  const VkResult result = vkCreateDevice(context.physical, &info, nullptr, &context.device);
+  if (result != VK_SUCCESS) {
+    context.device = VK_NULL_HANDLE;
+    return Error{VulkanError("vkCreateDevice", result).message + " on " + context.info.name};
+  }
+  ++liveDevices;
+  volkLoadDeviceTable(&context.vk, context.device);
+  context.vk.vkGetDeviceQueue(context.device, context.queueFamily, 0, &context.queue);
+  vkGetPhysicalDeviceMemoryProperties(context.physical, &context.memoryProperties);
+  return {};
+}
+
+uint64_t LargestLocalHeap(const DeviceInfo& info) {
+  uint64_t size = 0;
+  for (const HeapInfo& heap : info.heaps) {
+    if (heap.deviceLocal) size = std::max(size, heap.size);
+  }
+  return size;
+}
+
+}  // namespace
+
+Context::~Context() {
+  if (device == VK_NULL_HANDLE) return;
+  vk.vkDeviceWaitIdle(device);
+  transfer_.reset();
+  if (pipelineCache != VK_NULL_HANDLE) vk.vkDestroyPipelineCache(device, pipelineCache, nullptr);
+  vk.vkDestroyDevice(device, nullptr);
+  --liveDevices;
+}
+
+int64_t LiveDevices() { return liveDevices; }
+
+Result<std::vector<DeviceInfo>> ListDevices() {
+  auto instance = Instance::Acquire(false);
+  if (!instance) return instance.error();
+  auto devices = EnumerateDevices(**instance);
+  if (!devices) return devices.error();
+  std::vector<DeviceInfo> infos;
+  for (Selection& device : *devices) infos.push_back(std::move(device.info));
+  return infos;
+}
+
+Result<std::unique_ptr<Device>> Device::Create(const DeviceOptions& options) {
+  const std::string wanted = Environment("HDWAVEFRONT_VALIDATION");
+  auto instance = Instance::Acquire(options.validation || (!wanted.empty() && wanted != "0"));
+  if (!instance) return instance.error();
+  auto selection = SelectDevice(**instance, options.selector.empty() ? Environment("HDWAVEFRONT_DEVICE") : options.selector);
+  if (!selection) return selection.error();
+
+  auto context = std::make_shared<Context>();
+  context->instance = *instance;
+  context->physical = selection->physical;
+  context->queueFamily = selection->queueFamily;
+  context->info = std::move(selection->info);
+  context->directWrites = context->info.unifiedMemory && !options.forceStaging;
+  context->budget = options.memoryBudgetBytes != 0 ? options.memoryBudgetBytes : LargestLocalHeap(context->info);
+  if (Status created = CreateLogicalDevice(*context); !created) return created.error();
+
+  auto cache = Struct<VkPipelineCacheCreateInfo>(VK_STRUCTURE_TYPE_PIPELINE_CACHE_CREATE_INFO);
+  cache.initialDataSize = options.pipelineCache.size();
+  cache.pInitialData = options.pipelineCache.data();
+  VkResult result = context->vk.vkCreatePipelineCache(context->device, &cache, nullptr, &context->pipelineCache);
+  if (result != VK_SUCCESS) return context->Fail("vkCreatePipelineCache", result);
+  context->CreateTransfer();
+  return std::unique_ptr<Device>(new Device(std::move(context)));
+}
+
+Device::Device(std::shared_ptr<Context> context) : context_(std::move(context)) {}
+Device::~Device() = default;
+
+const DeviceInfo& Device::info() const { return context_->info; }
+bool Device::validation() const { return context_->instance->validation; }
+bool Device::lost() const { return context_->lost; }
+uint64_t Device::memoryBudget() const { return context_->budget; }
+MemoryUse Device::memoryUse() const { return context_->MemoryTotal(); }
+MemoryByKind Device::memoryByKind() const { return context_->MemoryKinds(); }
+int64_t Device::liveObjects() const { return context_->liveObjects; }
+Status Device::WaitIdle() { return context_->WaitIdle(); }
+
+Result<std::vector<std::byte>> Device::PipelineCacheData() const {
+  Context& context = *context_;
+  std::size_t size = 0;
+  VkResult result = context.vk.vkGetPipelineCacheData(context.device, context.pipelineCache, &size, nullptr);
+  std::vector<std::byte> data(size);
+  if (result == VK_SUCCESS) {
+    result = context.vk.vkGetPipelineCacheData(context.device, context.pipelineCache, &size, data.data());
+  }
+  if (result < 0) return context.Fail("vkGetPipelineCacheData", result);
+  data.resize(size);
+  return data;
+}
+
+}  // namespace wavefront::vulkan
