@@ -1,0 +1,199 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the hdWavefront authors
+// From a hit record to a ShadingPoint, and the readers of primvars and parameters that materials call.
+// Loops over the three corners are kept as loops: on lavapipe compile time is made of fetch *sites*.
+#ifndef WAVEFRONT_LIB_GEOMETRY_GLSL
+#define WAVEFRONT_LIB_GEOMETRY_GLSL
+#include "lib/bindings.glsl"
+#include "lib/frame.glsl"
+#include "lib/shading_point.glsl"
+
+vec4 instanceRow(uint instance, uint row) { return uintBitsToFloat(texelFetch(instanceRecords, int(instance * kInstanceTexels + row))); }
+uvec4 instanceWord(uint instance, uint texel) { return texelFetch(instanceRecords, int(instance * kInstanceTexels + texel)); }
+
+vec3 transformPoint(vec4 r0, vec4 r1, vec4 r2, vec3 p) { vec4 q = vec4(p, 1.0); return vec3(dot(r0, q), dot(r1, q), dot(r2, q)); }
+vec3 transformVector(vec4 r0, vec4 r1, vec4 r2, vec3 v) { return vec3(dot(r0.xyz, v), dot(r1.xyz, v), dot(r2.xyz, v)); }
+// Multiplies by the transpose: a normal goes to world space by the transpose of world-to-object.
+vec3 transformNormal(vec4 r0, vec4 r1, vec4 r2, vec3 n) { return n.x * r0.xyz + n.y * r1.xyz + n.z * r2.xyz; }
+
+float barycentricWeight(vec2 b, uint corner) { return corner == 0u ? 1.0 - b.x - b.y : (corner == 1u ? b.x : b.y); }
+
+// First float of the primvar element of each corner. Flat interpolations give the same element three times.
+// x y z: element offsets; all elements are `components` floats from valueBase.
+uvec3 primvarElements(ShadingPoint sp, uvec4 descriptor) {
+  uint interpolation = descriptor.z & 0xffu;
+  uint components = descriptor.z >> 8;
+  uvec4 mesh = texelFetch(meshRecords, int(sp.mesh));
+  bool vertex = interpolation == kInterpVertex;
+  bool uniformRate = interpolation == kInterpUniform;
+  uint stream = vertex ? mesh.x : (uniformRate ? mesh.y : descriptor.y);
+  uint flatElement = interpolation == kInterpInstance ? instanceWord(sp.instance, 7u).z : 0u;
+  bool indexed = stream != kNoStream && (vertex || uniformRate || interpolation == kInterpFaceVarying);
+  bool perCorner = vertex || interpolation == kInterpFaceVarying;
+  uvec3 result;
+  [[dont_unroll]] for (uint corner = 0u; corner < 3u; ++corner) {
+    uint at = perCorner ? 3u * sp.triangle + corner : sp.triangle;
+    uint element = at;
+    if (indexed) element = texelFetch(indexStream, int(stream + at)).x;
+    if (!perCorner && !uniformRate) element = flatElement;
+    result[corner] = descriptor.x + element * components;
+  }
+  return result;
+}
+
+uvec4 primvarDescriptor(ShadingPoint sp, uint slot) {
+  return texelFetch(bindingRecords, int(sp.binding + kBindingHeaderTexels + slot));
+}
+bool primvarExists(ShadingPoint sp, uint slot) { return primvarDescriptor(sp, slot).x != kNoStream; }
+
+float primvarFloat(ShadingPoint sp, uint slot, float fallback) {
+  uvec4 descriptor = primvarDescriptor(sp, slot);
+  if (descriptor.x == kNoStream) return fallback;
+  uvec3 e = primvarElements(sp, descriptor);
+  float value = 0.0;
+  [[dont_unroll]] for (uint c = 0u; c < 3u; ++c) value += barycentricWeight(sp.barycentric, c) * texelFetch(primvarStream, int(e[c])).x;
+  return value;
+}
+vec2 primvarVec2(ShadingPoint sp, uint slot, vec2 fallback) {
+  uvec4 descriptor = primvarDescriptor(sp, slot);
+  if (descriptor.x == kNoStream) return fallback;
+  uint step = (descriptor.z >> 8) >= 2u ? 1u : 0u;  // a float primvar read as a vector repeats
+  uvec3 e = primvarElements(sp, descriptor);
+  vec2 value = vec2(0.0);
+  [[dont_unroll]] for (uint c = 0u; c < 3u; ++c) {
+    int at = int(e[c]);
+    value += barycentricWeight(sp.barycentric, c) * vec2(texelFetch(primvarStream, at).x, texelFetch(primvarStream, at + int(step)).x);
+  }
+  return value;
+}
+vec3 primvarVec3(ShadingPoint sp, uint slot, vec3 fallback) {
+  uvec4 descriptor = primvarDescriptor(sp, slot);
+  if (descriptor.x == kNoStream) return fallback;
+  int components = int(descriptor.z >> 8);
+  int last = components >= 3 ? 2 : 0;
+  int second = components >= 2 ? 1 : 0;
+  uvec3 e = primvarElements(sp, descriptor);
+  vec3 value = vec3(0.0);
+  [[dont_unroll]] for (uint c = 0u; c < 3u; ++c) {
+    int at = int(e[c]);
+    value += barycentricWeight(sp.barycentric, c) *
+             vec3(texelFetch(primvarStream, at).x, texelFetch(primvarStream, at + second).x, texelFetch(primvarStream, at + last).x);
+  }
+  if (components == 2) value.z = 0.0;
+  return value;
+}
+vec4 primvarVec4(ShadingPoint sp, uint slot, vec4 fallback) {
+  uvec4 descriptor = primvarDescriptor(sp, slot);
+  if (descriptor.x == kNoStream) return fallback;
+  vec3 rgb = primvarVec3(sp, slot, fallback.xyz);
+  float alpha = 1.0;
+  if ((descriptor.z >> 8) >= 4u) {
+    uvec3 e = primvarElements(sp, descriptor);
+    alpha = 0.0;
+    [[dont_unroll]] for (uint c = 0u; c < 3u; ++c) alpha += barycentricWeight(sp.barycentric, c) * texelFetch(primvarStream, int(e[c]) + 3).x;
+  }
+  return vec4(rgb, alpha);
+}
+
+// Positions and texture coordinates of the triangle, for derivatives.
+void primvarCorners(ShadingPoint sp, uint slot, out vec2 uv[3]) {
+  uvec4 descriptor = primvarDescriptor(sp, slot);
+  uv[0] = uv[1] = uv[2] = vec2(0.0);
+  if (descriptor.x == kNoStream) return;
+  uvec3 e = primvarElements(sp, descriptor);
+  uint step = (descriptor.z >> 8) >= 2u ? 1u : 0u;
+  uv[0] = vec2(texelFetch(primvarStream, int(e.x)).x, texelFetch(primvarStream, int(e.x + step)).x);
+  uv[1] = vec2(texelFetch(primvarStream, int(e.y)).x, texelFetch(primvarStream, int(e.y + step)).x);
+  uv[2] = vec2(texelFetch(primvarStream, int(e.z)).x, texelFetch(primvarStream, int(e.z + step)).x);
+}
+
+// The edges of the hit triangle in world space; kept in globals by shadingPointMake, so that they are fetched once.
+vec3 gEdge1World, gEdge2World;
+
+float primvarUvFootprint(ShadingPoint sp, uint slot) {
+  vec2 uv[3];
+  primvarCorners(sp, slot, uv);
+  vec2 a = uv[1] - uv[0], b = uv[2] - uv[0];
+  float uvArea = abs(a.x * b.y - a.y * b.x);
+  float area = length(cross(gEdge1World, gEdge2World));
+  return area > 0.0 ? sp.footprint * sqrt(uvArea / area) : 0.0;
+}
+void primvarTangents(ShadingPoint sp, uint slot, out vec3 tangentWorld, out vec3 bitangentWorld) {
+  vec2 uv[3];
+  primvarCorners(sp, slot, uv);
+  vec2 a = uv[1] - uv[0], b = uv[2] - uv[0];
+  float det = a.x * b.y - a.y * b.x;
+  if (abs(det) > 1e-20) {
+    vec3 t = (gEdge1World * b.y - gEdge2World * a.y) / det;
+    vec3 bt = (gEdge2World * a.x - gEdge1World * b.x) / det;
+    t -= sp.normalWorld * dot(t, sp.normalWorld);
+    if (dot(t, t) > 1e-30) {
+      tangentWorld = normalize(t);
+      vec3 across = cross(sp.normalWorld, tangentWorld);
+      bitangentWorld = dot(across, bt) < 0.0 ? -across : across;
+      return;
+    }
+  }
+  Frame f = frameFromNormal(sp.normalWorld);
+  tangentWorld = f.x;
+  bitangentWorld = f.y;
+}
+
+vec4 materialParameter(ShadingPoint sp, uint texel) { return texelFetch(materialParameters, int(sp.parameterBase + texel)); }
+
+vec3 objectToWorldPoint(ShadingPoint sp, vec3 p) { return transformPoint(instanceRow(sp.instance, 4u), instanceRow(sp.instance, 5u), instanceRow(sp.instance, 6u), p); }
+vec3 objectToWorldVector(ShadingPoint sp, vec3 v) { return transformVector(instanceRow(sp.instance, 4u), instanceRow(sp.instance, 5u), instanceRow(sp.instance, 6u), v); }
+vec3 objectToWorldNormal(ShadingPoint sp, vec3 n) { return normalize(transformNormal(instanceRow(sp.instance, 0u), instanceRow(sp.instance, 1u), instanceRow(sp.instance, 2u), n)); }
+vec3 worldToObjectPoint(ShadingPoint sp, vec3 p) { return transformPoint(instanceRow(sp.instance, 0u), instanceRow(sp.instance, 1u), instanceRow(sp.instance, 2u), p); }
+vec3 worldToObjectVector(ShadingPoint sp, vec3 v) { return transformVector(instanceRow(sp.instance, 0u), instanceRow(sp.instance, 1u), instanceRow(sp.instance, 2u), v); }
+vec3 worldToObjectNormal(ShadingPoint sp, vec3 n) { return normalize(transformNormal(instanceRow(sp.instance, 4u), instanceRow(sp.instance, 5u), instanceRow(sp.instance, 6u), n)); }
+
+// Builds the shading point of a triangle hit. `triangleRecord` is absolute (leaf order). `coneWidth`: at the hit.
+ShadingPoint shadingPointMake(uint instance, uint triangleRecord, vec2 barycentric, vec3 wo, float coneWidth, float time) {
+  ShadingPoint sp;
+  int texel = int(triangleRecord * kTriangleTexels);
+  vec4 t0 = texelFetch(triangleRecords, texel);
+  vec4 t1 = texelFetch(triangleRecords, texel + 1);
+  vec4 t2 = texelFetch(triangleRecords, texel + 2);
+  vec4 w0 = instanceRow(instance, 4u), w1 = instanceRow(instance, 5u), w2 = instanceRow(instance, 6u);
+  vec4 o0 = instanceRow(instance, 0u), o1 = instanceRow(instance, 1u), o2 = instanceRow(instance, 2u);
+  uvec4 ids = instanceWord(instance, 7u);
+
+  sp.instance = instance;
+  sp.triangle = floatBitsToUint(t0.w);
+  sp.barycentric = barycentric;
+  sp.mesh = ids.x * kMeshTexels;
+  sp.wo = wo;
+  sp.time = time;
+  sp.binding = texelFetch(indexStream, int(ids.y + floatBitsToUint(t1.w))).x;
+  sp.parameterBase = texelFetch(bindingRecords, int(sp.binding)).w;
+
+  vec3 e1 = t1.xyz - t0.xyz, e2 = t2.xyz - t0.xyz;
+  sp.positionObject = t0.xyz + barycentric.x * e1 + barycentric.y * e2;
+  sp.positionWorld = transformPoint(w0, w1, w2, sp.positionObject);
+  gEdge1World = transformVector(w0, w1, w2, e1);
+  gEdge2World = transformVector(w0, w1, w2, e2);
+  vec3 ng = transformNormal(o0, o1, o2, cross(e1, e2));
+  float ngLength = length(ng);
+  sp.normalGeometric = ngLength > 0.0 ? ng / ngLength : wo;
+  sp.normalWorld = sp.normalGeometric;
+  sp.frontFacing = dot(sp.normalGeometric, wo) >= 0.0;
+
+  uvec4 normals = texelFetch(meshRecords, int(sp.mesh + 1u));
+  if (normals.x != kNoStream) {
+    uvec3 e = primvarElements(sp, normals);
+    vec3 n = vec3(0.0);
+    [[dont_unroll]] for (uint c = 0u; c < 3u; ++c) {
+      int at = int(e[c]);
+      n += barycentricWeight(barycentric, c) *
+           vec3(texelFetch(primvarStream, at).x, texelFetch(primvarStream, at + 1).x, texelFetch(primvarStream, at + 2).x);
+    }
+    n = transformNormal(o0, o1, o2, n);
+    float l2 = dot(n, n);
+    if (l2 > 0.0) sp.normalWorld = n * inversesqrt(l2);
+  }
+  float cosine = max(abs(dot(sp.normalGeometric, wo)), 0.1);  // a grazing footprint is long; do not blur without bound
+  sp.footprint = coneWidth / sqrt(cosine);
+  return sp;
+}
+#endif

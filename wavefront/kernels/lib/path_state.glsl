@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the hdWavefront authors
+// Path state: SoA of 16-byte chunks. Read through a texel buffer (fast to run and to compile on lavapipe), written
+// through a storage buffer over the same memory; a kernel reads a chunk before it writes it, once.
+#ifndef WAVEFRONT_LIB_PATH_STATE_GLSL
+#define WAVEFRONT_LIB_PATH_STATE_GLSL
+#include "lib/bindings.glsl"
+
+#define WAVEFRONT_PATH_CHUNK(Name, index, doc) const uint kChunk##Name = index;
+#include "shared/path_state.def"
+#undef WAVEFRONT_PATH_CHUNK
+
+// Flags word of chunk Ids: phase | bounce << 4 | passes << 12 | shadow passes << 20 | bits
+const uint kPhaseIdle = 0u;       // no path; wants a new one
+const uint kPhaseReady = 1u;      // rays are done: logic
+const uint kPhaseOpacity = 2u;    // shadow ray met a surface that is not opaque: opacity kernel
+const uint kPhaseEmission = 3u;   // light sample is seen, its emission is to be found: emission kernel
+const uint kPhaseMask = 0xfu;
+const uint kBounceShift = 4u;
+const uint kPassShift = 12u;
+const uint kShadowPassShift = 20u;
+const uint kFlagAovWritten = 0x10000000u;   // first hit's AOVs are in the film
+const uint kFlagEnd = 0x40000000u;          // the path is over once its shadow ray is done; no extension ray was cast
+const uint kFlagShadow = 0x20000000u;       // ShadowContribution is to be added (unless found blocked)
+
+uvec4 loadPath(uint chunk, uint path) { return texelFetch(pathStateRead, int(chunk * frame.poolSize + path)); }
+void storePath(uint chunk, uint path, uvec4 value) { pathStateWrite[chunk * frame.poolSize + path] = value; }
+void storePathF(uint chunk, uint path, vec4 value) { pathStateWrite[chunk * frame.poolSize + path] = floatBitsToUint(value); }
+
+uint pathBounce(uint flags) { return (flags >> kBounceShift) & 0xffu; }
+uint pathPasses(uint flags) { return (flags >> kPassShift) & 0xffu; }
+uint pathShadowPasses(uint flags) { return (flags >> kShadowPassShift) & 0xffu; }
+uint withPhase(uint flags, uint phase) { return (flags & ~kPhaseMask) | phase; }
+#endif

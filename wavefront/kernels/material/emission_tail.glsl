@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the hdWavefront authors
+// Emission kernel: the light sample lies on an emissive triangle of this material and is seen; multiplies its radiance.
+// Reads: Ids, ShadowContribution, LightSample. Writes: ShadowContribution, Ids. Runs after: scatter.
+vec2 emissionTriangleSample(vec2 u) {   // as sampleTriangle in lights/light_table.glsl
+  if (u.y > u.x) { u.x *= 0.5; u.y -= u.x; } else { u.y *= 0.5; u.x -= u.y; }
+  return vec2(1.0 - u.x - u.y, u.y);
+}
+void main() {
+  uint path;
+  if (!bucketPath(path)) return;
+  uvec4 ids = loadPath(kChunkIds, path);
+  uvec4 contributionItem = loadPath(kChunkShadowContribution, path);
+  vec4 light = uintBitsToFloat(loadPath(kChunkLightSample, path));
+  uvec4 item = texelFetch(lightItems, int(contributionItem.w));
+  // The point that the logic kernel sampled: the same random numbers give it again.
+  vec2 b = emissionTriangleSample(sample2D(ids.z, ids.y, bouncePair(pathBounce(ids.w) - ((ids.w & kFlagEnd) != 0u ? 0u : 1u), kPairLightPoint)));
+  ShadingPoint sp = shadingPointMake(item.x, item.y, b, -light.xyz, 0.0, uintBitsToFloat(loadPath(kChunkCone, path)).y);
+  vec3 contribution = uintBitsToFloat(contributionItem.rgb) * max(materialEmission(sp), vec3(0.0));
+  storePath(kChunkShadowContribution, path, uvec4(floatBitsToUint(contribution), kNoLight));
+  storePath(kChunkIds, path, uvec4(ids.xyz, withPhase(ids.w, kPhaseReady)));
+}

@@ -1,0 +1,9 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the hdWavefront authors
+// Head of the surface kernels: what patterns and lobes may read. The generated text follows, then surface_tail.glsl.
+#extension GL_GOOGLE_include_directive : require
+#include "material/pattern_head.glsl"
+#include "lib/media.glsl"
+#include "lib/mis.glsl"
+#include "lib/ray_offset.glsl"
+#include "lib/film.glsl"

@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the hdWavefront authors
+// Material kernel, the part that every material shares (Laine et al. 2013): emission, pass-through by opacity, first-hit
+// AOVs, then sampling a direction and weighing the light sample in one go, so that the closure can be dropped.
+// Reads: RayOrigin, RayDirection, Hit, HitDistance, Throughput, Radiance, Ids, LightSample, LightRadiance, Media, Cone.
+// Writes: those of the next segment. Pushes to: extension rays, shadow rays. Runs after: scatter.
+
+// Emission of the surface itself, weighed against the light sample that could have found it.
+vec3 surfaceEmission(ShadingPoint sp, Closure c, float bsdfPdf, float t) {
+  float weight = 1.0;
+  uint itemBase = instanceWord(sp.instance, 7u).w;
+  if (bsdfPdf > 0.0 && itemBase != kNoLight) {
+    float pick = uintBitsToFloat(texelFetch(lightItems, int(itemBase + sp.triangle)).z);
+    float pdf = pick * trianglePdf(gEdge1World, gEdge2World, sp.wo, t);
+    weight = powerHeuristic(bsdfPdf, pdf);
+  }
+  return weight * c.emission;
+}
+
+void filmFirstHit(uvec4 ids, ShadingPoint sp, Closure c, vec3 throughput) {
+  uint pixel = ids.x;
+  if (frame.albedoChannel != kNoChannel) filmAdd3(pixel, frame.albedoChannel, closureAlbedo(c, sp.wo) * throughput);
+  if (frame.normalChannel != kNoChannel) filmAdd3(pixel, frame.normalChannel, sp.normalWorld);
+  if (ids.y != frame.rangeFirstSample || frame.firstChannels == 0u) return;
+  vec3 zAxis = vec3(frame.cameraToWorld0.z, frame.cameraToWorld1.z, frame.cameraToWorld2.z);
+  vec3 eye = vec3(frame.cameraToWorld0.w, frame.cameraToWorld1.w, frame.cameraToWorld2.w);
+  float z = -dot(sp.positionWorld - eye, zAxis) / dot(zAxis, zAxis);
+  float n = frame.nearClip, f = frame.farClip;
+  float depth = frame.orthographic != 0u ? (z - n) / (f - n) : f * (z - n) / (z * (f - n));
+  uvec4 instanceIds = instanceWord(sp.instance, 8u);
+  uint faceBase = texelFetch(meshRecords, int(sp.mesh)).y;
+  uint face = faceBase == kNoStream ? sp.triangle : texelFetch(indexStream, int(faceBase + sp.triangle)).x;
+  filmSetFirst(pixel, frame.depthChannel, floatBitsToUint(clamp(depth, 0.0, 1.0)));
+  filmSetFirst(pixel, frame.cameraDepthChannel, floatBitsToUint(z));
+  filmSetFirst(pixel, frame.primIdChannel, instanceIds.x);
+  filmSetFirst(pixel, frame.instanceIdChannel, instanceIds.y);
+  filmSetFirst(pixel, frame.elementIdChannel, face);
+}
+
+void main() {
+  uint path;
+  if (!bucketPath(path)) return;
+  uvec4 ids = loadPath(kChunkIds, path);
+  vec4 origin = uintBitsToFloat(loadPath(kChunkRayOrigin, path));
+  vec4 direction = uintBitsToFloat(loadPath(kChunkRayDirection, path));
+  uvec4 hit = loadPath(kChunkHit, path);
+  uvec4 extra = loadPath(kChunkHitDistance, path);
+  vec4 throughputPdf = uintBitsToFloat(loadPath(kChunkThroughput, path));
+  vec4 cone = uintBitsToFloat(loadPath(kChunkCone, path));
+  float t = uintBitsToFloat(extra.x);
+  uint bounce = pathBounce(ids.w);
+  vec3 throughput = throughputPdf.rgb;
+  vec3 wo = -direction.xyz;
+  float coneWidth = uintBitsToFloat(extra.w) + cone.x * t;
+
+  ShadingPoint sp = shadingPointMake(hit.x, hit.y, uintBitsToFloat(hit.zw), wo, coneWidth, cone.y);
+  Closure c;
+  closureMake(sp, c);
+
+  // Opacity: the surface is there with probability mean(opacity); passing through costs no bounce, keeps the ray's
+  // origin and moves its start forward.
+  if (kHasOpacity) {
+    vec3 opacity = clamp(c.opacity, vec3(0.0), vec3(1.0));
+    float present = (opacity.r + opacity.g + opacity.b) * (1.0 / 3.0);
+    uint passes = pathPasses(ids.w);
+    if (samplePass(ids.z, ids.y, bounce, passes) >= present) {
+      if (passes >= frame.maxTransparency) {
+        reportError(kErrorTransparency);
+        storePath(kChunkIds, path, uvec4(ids.xyz, ids.w | kFlagEnd));
+        return;
+      }
+      throughput *= (vec3(1.0) - opacity) / max(1.0 - present, 1e-6);
+      storePathF(kChunkThroughput, path, vec4(throughput, throughputPdf.a));
+      storePathF(kChunkRayOrigin, path, vec4(origin.xyz, t));
+      storePath(kChunkHitDistance, path, uvec4(extra.x, hit.x, hit.y, extra.w));
+      storePath(kChunkIds, path, uvec4(ids.xyz, ids.w + (1u << kPassShift)));
+      pushExtensionRay(path);
+      return;
+    }
+    throughput *= opacity / max(present, 1e-6);
+  }
+
+  if ((ids.w & kFlagAovWritten) == 0u) {
+    filmFirstHit(ids, sp, c, vec3(1.0));
+    ids.w |= kFlagAovWritten;
+  }
+  if (kHasEmission) {
+    vec4 radiance = uintBitsToFloat(loadPath(kChunkRadiance, path));
+    storePathF(kChunkRadiance, path, vec4(radiance.rgb + throughput * surfaceEmission(sp, c, throughputPdf.a, t), radiance.a));
+  }
+  ids.w &= ~((0xffu << kPassShift) | (0xffu << kShadowPassShift));
+  if (bounce >= frame.maxBounces) {
+    storePath(kChunkIds, path, uvec4(ids.xyz, ids.w | kFlagEnd));
+    return;
+  }
+
+  vec4 light = uintBitsToFloat(loadPath(kChunkLightSample, path));
+  vec4 lightRadiance = uintBitsToFloat(loadPath(kChunkLightRadiance, path));
+  float uLobe = sample1D(ids.z, ids.y, bouncePair(bounce, kPairLobe));
+  vec2 uDirection = sample2D(ids.z, ids.y, bouncePair(bounce, kPairDirection));
+  vec3 wi = closureSample(c, wo, uLobe, uDirection);
+
+  // Both directions through one evaluation site: compile time follows the sites, not the trips.
+  vec4 sampled = vec4(0.0), lit = vec4(0.0);
+  [[dont_unroll]] for (int i = 0; i < 2; ++i) {
+    vec3 w = i == 0 ? wi : light.xyz;
+    // The shading normal must not move light through the surface: both normals have to agree on the side of wi.
+    vec4 value = closureEval(c, wo, w);
+    if (!(dot(w, sp.normalGeometric) * dot(w, sp.normalWorld) > 0.0)) value = vec4(0.0);
+    if (i == 0) sampled = value; else lit = value;
+  }
+
+  bool front = dot(wo, sp.normalGeometric) >= 0.0;
+  if (lightRadiance.a > 0.0) {
+    uint item = floatBitsToUint(cone.z);
+    uvec4 record = texelFetch(lightItems, int(item));
+    float weight = powerHeuristic(lightRadiance.a, lit.a);
+    vec3 contribution = throughput * lit.rgb * lightRadiance.rgb * (weight / lightRadiance.a);
+    if (max(contribution.r, max(contribution.g, contribution.b)) > 0.0) {
+      vec3 from = raySpawnOrigin(sp, light.xyz);
+      // An emissive triangle ends the shadow ray just before it; analytic lights never block.
+      float tMax = record.y != kNoLight ? light.w * (1.0 - 1e-4) : light.w;
+      storePathF(kChunkShadowOrigin, path, vec4(from, 0.0));
+      storePathF(kChunkLightSample, path, vec4(light.xyz, tMax));
+      storePathF(kChunkShadowContribution, path, vec4(contribution, uintBitsToFloat(record.y != kNoLight ? item : kNoLight)));
+      ids.w |= kFlagShadow;
+      pushShadowRay(path);
+    }
+  }
+
+  if (!(sampled.a > 0.0) || !(max(sampled.r, max(sampled.g, sampled.b)) > 0.0)) {
+    storePath(kChunkIds, path, uvec4(ids.xyz, ids.w | kFlagEnd));
+    return;
+  }
+  throughput *= sampled.rgb / sampled.a;
+  bool transmitted = (dot(wi, sp.normalGeometric) >= 0.0) != front;
+  if (kHasTransmission && transmitted) {
+    uvec4 mediaA = loadPath(kChunkMediaA, path), mediaB = loadPath(kChunkMediaB, path);
+    if (front) { if (!mediumPush(mediaA, mediaB, c.interiorExtinction)) reportError(kErrorMediaStack); }
+    else mediumPop(mediaA, mediaB);
+    storePath(kChunkMediaA, path, mediaA);
+    storePath(kChunkMediaB, path, mediaB);
+  }
+  ids.w += 1u << kBounceShift;
+  storePathF(kChunkRayOrigin, path, vec4(raySpawnOrigin(sp, wi), 0.0));
+  storePathF(kChunkRayDirection, path, vec4(wi, 3.4e38));
+  storePath(kChunkHitDistance, path, uvec4(0u, 0xffffffffu, 0xffffffffu, floatBitsToUint(coneWidth)));
+  storePathF(kChunkThroughput, path, vec4(throughput, sampled.a));
+  // A rough bounce widens the cone: about the angle of the solid angle 1/pdf, bounded so that textures never turn to mush.
+  storePathF(kChunkCone, path, vec4(min(cone.x + 0.125 * inversesqrt(sampled.a), 0.25), cone.yzw));
+  storePath(kChunkIds, path, ids);
+  pushExtensionRay(path);
+}

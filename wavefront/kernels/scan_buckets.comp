@@ -1,0 +1,69 @@
+#version 460
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the hdWavefront authors
+// Turns bucket counts into offsets and indirect arguments, and hands out new work. One workgroup.
+// Reads: bucket counts. Writes: offsets, arguments, cursors, statistics, the work position. Runs after: logic.
+#extension GL_GOOGLE_include_directive : require
+#include "lib/bindings.glsl"
+#include "shared/counters_layout.h"
+
+const uint kThreads = 256u;
+layout(local_size_x = 256) in;
+shared uint partial[kThreads];
+
+void add64(uint at, uint value) {
+  uint old = counters[at];
+  counters[at] = old + value;
+  if (old + value < old) counters[at + 1u] += 1u;
+}
+
+void main() {
+  uint thread = gl_LocalInvocationID.x;
+  uint perThread = (frame.bucketCount + kThreads - 1u) / kThreads;
+  uint first = thread * perThread;
+  uint last = min(first + perThread, frame.bucketCount);
+  uint sum = 0u;
+  for (uint b = first; b < last; ++b) sum += counters[kBucketBase + b * kBucketStride + kBucketCount];
+  partial[thread] = sum;
+  barrier();
+  for (uint step = 1u; step < kThreads; step <<= 1) {
+    uint add = thread >= step ? partial[thread - step] : 0u;
+    barrier();
+    partial[thread] += add;
+    barrier();
+  }
+  uint offset = partial[thread] - sum;
+  for (uint b = first; b < last; ++b) {
+    uint at = kBucketBase + b * kBucketStride;
+    uint count = counters[at + kBucketCount];
+    counters[at + kBucketOffset] = offset;
+    counters[at + kBucketCursor] = 0u;
+    uint run = count;
+    if (b == kBucketNewPath) {
+      // Work is ordered sample-major: the next `run` (sample, pixel) pairs go to the idle paths.
+      uint pixels = frame.width * frame.bandHeight;
+      uint sampleIndex = counters[kWorkSample], pixel = counters[kWorkPixel], end = counters[kWorkEndSample];
+      uint left = 0u;
+      if (sampleIndex < end) {
+        uint samplesLeft = end - sampleIndex;
+        // Saturating samplesLeft * pixels - pixel.
+        left = samplesLeft > 0x3fffffffu / pixels ? 0x3fffffffu : samplesLeft * pixels - pixel;
+      }
+      run = min(count, left);
+      counters[kNewPathBaseSample] = sampleIndex;
+      counters[kNewPathBasePixel] = pixel;
+      counters[kNewPathCount] = run;
+      uint next = pixel + run;
+      counters[kWorkSample] = sampleIndex + next / pixels;
+      counters[kWorkPixel] = next % pixels;
+      counters[kActivePaths] = frame.poolSize - count + run;
+      counters[kIterations] += 1u;
+      add64(kPathsDoneLo, run);
+    }
+    counters[at + kBucketArgs] = (run + 63u) / 64u;
+    counters[at + kBucketArgs + 1u] = 1u;
+    counters[at + kBucketArgs + 2u] = 1u;
+    add64(at + kBucketItemsLo, run);
+    offset += count;
+  }
+}

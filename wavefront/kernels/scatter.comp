@@ -1,0 +1,19 @@
+#version 460
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the hdWavefront authors
+// Puts each path's index into its bucket's part of the sorted index array.
+// Reads: keys, bucket offsets. Writes: sorted indices. Runs after: scan_buckets.
+#extension GL_GOOGLE_include_directive : require
+#include "lib/bindings.glsl"
+#include "shared/counters_layout.h"
+layout(local_size_x = 64) in;
+
+void main() {
+  uint path = gl_GlobalInvocationID.x;
+  if (path >= frame.poolSize) return;
+  uint key = queueItems[kItemsKeys * frame.poolSize + path];
+  if (key == kNoBucket) return;
+  uint at = kBucketBase + key * kBucketStride;
+  uint slot = atomicAdd(counters[at + kBucketCursor], 1u);
+  queueItems[kItemsSorted * frame.poolSize + counters[at + kBucketOffset] + slot] = path;
+}

@@ -1,0 +1,40 @@
+#version 460
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the hdWavefront authors
+// Shadow ray cast: is the light sample seen? Surfaces that are not opaque send the path to their opacity kernel.
+// Reads: ShadowOrigin, LightSample, ShadowContribution, Cone, Ids. Writes: ShadowHit, ShadowOrigin, ShadowContribution, Ids.
+// Runs after: the materials (which push).
+#extension GL_GOOGLE_include_directive : require
+#include "lib/bindings.glsl"
+#include "lib/path_state.glsl"
+#include "lib/queue.glsl"
+#include "lib/traversal_hooks.glsl"
+#include "lib/traverse.glsl"
+layout(local_size_x = 64) in;
+
+void main() {
+  uint i = gl_GlobalInvocationID.x;
+  if (i >= counters[kQueueBase + kQueueShadowRay * kQueueStride + kQueueCount]) return;
+  uint path = queueItems[kItemsShadow * frame.poolSize + i];
+  uvec4 ids = loadPath(kChunkIds, path);
+  vec4 o = uintBitsToFloat(loadPath(kChunkShadowOrigin, path));
+  vec4 light = uintBitsToFloat(loadPath(kChunkLightSample, path));
+  uvec4 lastHit = loadPath(kChunkShadowHit, path);
+  bool again = pathShadowPasses(ids.w) != 0u;
+  uint result = kShadowClear;
+  Hit hit;
+  if (frame.hasGeometry != 0u) {
+    result = traverseShadow(Ray(o.xyz, o.w, light.xyz, light.w), 4u, again ? lastHit.x : 0xffffffffu, again ? lastHit.y : 0xffffffffu, hit);
+  }
+  uint phase = kPhaseReady;
+  if (result == kShadowBlocked) {
+    ids.w &= ~kFlagShadow;
+  } else if (result == kShadowNeedsOpacity) {
+    storePath(kChunkShadowHit, path, uvec4(hit.instance, hit.triangle, floatBitsToUint(hit.u), floatBitsToUint(hit.v)));
+    storePathF(kChunkShadowOrigin, path, vec4(o.xyz, hit.t));
+    phase = kPhaseOpacity;
+  } else if (loadPath(kChunkShadowContribution, path).w != kNoLight) {
+    phase = kPhaseEmission;
+  }
+  storePath(kChunkIds, path, uvec4(ids.xyz, withPhase(ids.w, phase)));
+}

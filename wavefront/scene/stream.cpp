@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the hdWavefront authors
+#include "wavefront/scene/stream.h"
+
+namespace wavefront {
+
+Range Stream::Allocate(uint64_t count) {
+  // Texel buffers are addressed with 31 bits; what passes that is refused at Fit with the stream's name.
+  if (count + ranges_.end() > 0x7fffffffull) {
+    overflow_ = true;
+    return {};
+  }
+  return ranges_.Allocate(static_cast<uint32_t>(count));
+}
+
+Status Stream::Fit() {
+  if (overflow_) return Error{"the scene does not fit: more than 2^31 elements of " + name_};
+  uint64_t bytes = static_cast<uint64_t>(ranges_.end()) * elementBytes_;
+  if (bytes == 0) bytes = 16;
+  if (!buffer_) {
+    auto created = vulkan::Buffer::Create(device_, {bytes, kind_, vulkan::MemoryLocation::DeviceLocal, name_});
+    if (!created) return created.error();
+    buffer_ = std::move(created).value();
+    return {};
+  }
+  return bytes <= buffer_->size() ? Status() : buffer_->Reserve(bytes);
+}
+
+}  // namespace wavefront

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the hdWavefront authors
+// The counters buffer: work left, queue counts, indirect arguments, statistics. One definition for C++ and GLSL.
+#ifndef WAVEFRONT_SHARED_COUNTERS_LAYOUT_H
+#define WAVEFRONT_SHARED_COUNTERS_LAYOUT_H
+#ifdef __cplusplus
+#include <cstdint>
+#define WF_CONST(name, value) constexpr uint32_t name = value;
+namespace wavefront::layout {
+#else
+#define WF_CONST(name, value) const uint name = value;
+#endif
+// All offsets count uints.
+WF_CONST(kErrorFlags, 0u)        // kError*
+WF_CONST(kWorkSample, 1u)        // next sample and pixel to start; the pair is ordered sample-major
+WF_CONST(kWorkPixel, 2u)
+WF_CONST(kWorkEndSample, 3u)     // samples >= this are not started
+WF_CONST(kActivePaths, 4u)       // paths in flight after the last scan
+WF_CONST(kIterations, 5u)
+WF_CONST(kNewPathBaseSample, 6u) // work index of the first path that new_path starts in this iteration
+WF_CONST(kNewPathBasePixel, 7u)
+WF_CONST(kNewPathCount, 8u)
+WF_CONST(kAllPathsArgs, 9u)      // (unused) .. 11
+// Ray queues: 8 words each: count being filled, count being traced, args x y z, items lo, items hi, peak
+WF_CONST(kQueueBase, 16u)
+WF_CONST(kQueueStride, 8u)
+WF_CONST(kQueueFill, 0u)
+WF_CONST(kQueueCount, 1u)
+WF_CONST(kQueueArgs, 2u)
+WF_CONST(kQueueItemsLo, 5u)
+WF_CONST(kQueueItemsHi, 6u)
+WF_CONST(kQueuePeak, 7u)
+WF_CONST(kPathsDoneLo, 48u)
+WF_CONST(kPathsDoneHi, 49u)
+WF_CONST(kSegmentsLo, 50u)
+WF_CONST(kSegmentsHi, 51u)
+// Buckets: 8 words each: count, offset in the sorted indices, args x y z, cursor of the scatter, items lo, items hi
+WF_CONST(kBucketBase, 64u)
+WF_CONST(kBucketStride, 8u)
+WF_CONST(kBucketCount, 0u)
+WF_CONST(kBucketOffset, 1u)
+WF_CONST(kBucketArgs, 2u)
+WF_CONST(kBucketCursor, 5u)
+WF_CONST(kBucketItemsLo, 6u)
+WF_CONST(kBucketItemsHi, 7u)
+WF_CONST(kBucketNewPath, 0u)     // bucket 0: idle paths; then one bucket per material entry point
+WF_CONST(kFirstMaterialBucket, 1u)
+// Queue items: four arrays of poolSize uints
+WF_CONST(kItemsKeys, 0u)         // bucket of each path (kNoBucket: none)
+WF_CONST(kItemsSorted, 1u)       // path indices by bucket
+WF_CONST(kItemsExtension, 2u)
+WF_CONST(kItemsShadow, 3u)
+WF_CONST(kItemArrays, 4u)
+
+WF_CONST(kErrorTraversalBudget, 1u)  // a ray gave up in the BVH
+WF_CONST(kErrorStackOverflow, 2u)
+WF_CONST(kErrorNonFinite, 4u)        // a sample was not finite and was dropped
+WF_CONST(kErrorTransparency, 8u)     // more transparent layers than maxTransparency: the rest blocked
+WF_CONST(kErrorMediaStack, 16u)      // more than four nested media
+#ifdef __cplusplus
+}  // namespace wavefront::layout
+#endif
+#undef WF_CONST
+#endif
