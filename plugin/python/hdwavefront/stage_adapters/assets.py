@@ -1,0 +1,40 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright the hdWavefront authors
+"""Asset-valued attributes: what was authored, what the stage's resolver found, and the colour space that goes with it."""
+
+from __future__ import annotations
+
+import os
+from typing import Any
+
+from pxr import Ar, Sdf, Usd
+
+from .context import Update
+
+
+def asset_value(attribute: Usd.Attribute, time: Usd.TimeCode) -> Update | None:
+    """None where no file is named. `resolved` is empty where the resolver finds nothing; <UDIM> patterns are kept."""
+    value = attribute.Get(time)
+    if value is None:
+        return None
+    authored = value.path if isinstance(value, Sdf.AssetPath) else str(value)
+    if not authored:
+        return None
+    resolved = value.resolvedPath if isinstance(value, Sdf.AssetPath) else ""
+    if "<UDIM>" in authored and not resolved:
+        resolved = _anchor(attribute, authored, time)
+    return {"authored": authored, "resolved": resolved, "colorSpace": str(attribute.GetColorSpace())}
+
+
+def _anchor(attribute: Usd.Attribute, authored: str, time: Usd.TimeCode) -> str:
+    """A pattern beside the layer that authored it; the resolver only finds files that exist under their own name."""
+    for spec in attribute.GetPropertyStack(time):
+        if spec.HasInfo("default") or spec.HasInfo("timeSamples"):
+            return os.path.normpath(spec.layer.ComputeAbsolutePath(authored))
+    return authored
+
+
+def open_asset(resolved: str) -> Any:
+    """The bytes of an asset that is no plain file (inside a .usdz package); None where it cannot be opened."""
+    asset = Ar.GetResolver().OpenAsset(Ar.ResolvedPath(resolved))
+    return asset.GetBuffer() if asset else None

@@ -1,0 +1,129 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright the hdWavefront authors
+"""UsdGeomCamera: raw attributes at the frame; a free camera that frames the stage; the camera's image aspect."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+from pxr import Gf, Sdf, Usd, UsdGeom
+
+from ..errors import Diagnostics, HdWavefrontError
+from .context import Update, matrix_array
+
+FREE_CAMERA_PATH = "/__hdwavefront_free_camera"
+
+_ATTRIBUTES = (
+    "projection",
+    "horizontalAperture",
+    "verticalAperture",
+    "horizontalApertureOffset",
+    "verticalApertureOffset",
+    "focalLength",
+    "clippingRange",
+    "fStop",
+    "focusDistance",
+    "exposure",
+    "exposure:time",
+    "exposure:iso",
+    "exposure:fStop",
+    "exposure:responsivity",
+    "shutter:open",
+    "shutter:close",
+)
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, Gf.Vec2f):
+        return (float(value[0]), float(value[1]))
+    return str(value) if isinstance(value, str) else float(value)
+
+
+def camera_params(camera: UsdGeom.Camera, time: Usd.TimeCode, diagnostics: Diagnostics) -> Update:
+    prim = camera.GetPrim()
+    params: Update = {}
+    for name in _ATTRIBUTES:
+        attribute = prim.GetAttribute(name)
+        value = attribute.Get(time) if attribute else None
+        if value is not None:
+            params[name] = _plain(value)
+    planes = camera.GetClippingPlanesAttr().Get(time)
+    if planes:
+        diagnostics.warning("camera-clipping-planes", prim.GetPath(), "clipping planes are not rendered yet; they are ignored")
+    return params
+
+
+def camera_transform(camera: UsdGeom.Camera, time: Usd.TimeCode) -> np.ndarray:
+    return matrix_array(UsdGeom.XformCache(time).GetLocalToWorldTransform(camera.GetPrim()))
+
+
+def aspect_ratio(params: Update) -> float:
+    """The aperture's width to height; 1 where that makes no sense, as usdrecord has it."""
+    width, height = params.get("horizontalAperture", 20.955), params.get("verticalAperture", 15.2908)
+    ratio = width / height if height else 0.0
+    return ratio if math.isfinite(ratio) and ratio > 1e-4 else 1.0
+
+
+def find_camera(stage: Usd.Stage, name: str) -> UsdGeom.Camera | None:
+    """The camera at a path, or the first one of that name."""
+    if not Sdf.Path.IsValidPathString(name):
+        return None
+    path = Sdf.Path(name)
+    if not path.IsAbsolutePath() and path.pathElementCount == 1:
+        for prim in Usd.PrimRange.Stage(stage, Usd.TraverseInstanceProxies()):
+            if prim.GetName() == name and prim.IsA(UsdGeom.Camera):
+                return UsdGeom.Camera(prim)
+        return None
+    prim = stage.GetPrimAtPath(path.MakeAbsolutePath(Sdf.Path.absoluteRootPath))
+    return UsdGeom.Camera(prim) if prim and prim.IsA(UsdGeom.Camera) else None
+
+
+def all_cameras(stage: Usd.Stage) -> list[UsdGeom.Camera]:
+    return [
+        UsdGeom.Camera(prim)
+        for prim in Usd.PrimRange.Stage(stage, Usd.TraverseInstanceProxies())
+        if prim.IsA(UsdGeom.Camera)
+    ]
+
+
+def require_camera(stage: Usd.Stage, name: str) -> UsdGeom.Camera:
+    camera = find_camera(stage, name)
+    if camera is None:
+        known = [str(c.GetPath()) for c in all_cameras(stage)]
+        hint = f"The stage's cameras: {', '.join(known[:8])}." if known else "The stage has no camera; leave --camera out."
+        raise HdWavefrontError(f"There is no camera '{name}' in the stage. {hint}")
+    return camera
+
+
+def free_camera(stage: Usd.Stage, time: Usd.TimeCode, purposes: frozenset[str]) -> tuple[Update, np.ndarray]:
+    """Params and transform of a 50 mm camera that frames the stage, by the rule of OpenUSD's usdrecord (UsdAppUtils)."""
+    camera = Gf.Camera()
+    cache = UsdGeom.BBoxCache(time, sorted(purposes), True)
+    box = cache.ComputeWorldBound(stage.GetPseudoRoot())
+    extent = box.ComputeAlignedRange()
+    center, size = box.ComputeCentroid(), extent.GetSize()
+    if extent.IsEmpty() or not all(math.isfinite(x) for x in (*center, *size)):
+        center, size = Gf.Vec3d(0), Gf.Vec3d(2)
+    y_up = UsdGeom.GetStageUpAxis(stage) == UsdGeom.Tokens.y
+    plane = Gf.Vec2d(size[0], size[1] if y_up else size[2]) / 2
+    half_angle = math.radians(camera.GetFieldOfView(Gf.Camera.FOVHorizontal)) / 2
+    distance = plane.GetLength() / math.tan(half_angle) + (size[2] if y_up else size[1]) / 2
+    near = 1.0
+    if distance < near:
+        distance += near
+    transform = Gf.Matrix4d(1)
+    if y_up:
+        transform.SetTranslate(center + Gf.Vec3d(0, 0, distance))
+    else:
+        transform.SetRotate(Gf.Rotation(Gf.Vec3d(1, 0, 0), 90))
+        transform.SetTranslateOnly(center + Gf.Vec3d(0, -distance, 0))
+    params: Update = {
+        "projection": "perspective",
+        "horizontalAperture": float(camera.horizontalAperture),
+        "verticalAperture": float(camera.verticalAperture),
+        "focalLength": float(camera.focalLength),
+        "clippingRange": (near, max(1e6, 10 * distance)),
+    }
+    return params, matrix_array(transform)

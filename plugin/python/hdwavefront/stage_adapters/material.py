@@ -1,0 +1,154 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright the hdWavefront authors
+"""UsdShade networks, one per render context, as plain nodes and connections.
+
+NodeGraphs and interface inputs are resolved away: every connection ends at a node's output or at a value.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from pxr import Gf, Sdf, Usd, UsdShade
+
+from .assets import asset_value
+from .context import Translation, Update
+
+_VECTORS = (Gf.Vec2f, Gf.Vec3f, Gf.Vec4f, Gf.Vec2d, Gf.Vec3d, Gf.Vec4d, Gf.Vec2h, Gf.Vec3h, Gf.Vec4h)
+_MATRICES = (Gf.Matrix3d, Gf.Matrix4d, Gf.Matrix3f, Gf.Matrix4f)
+
+
+class _Network:
+    """One network while it is walked."""
+
+    def __init__(self, translation: Translation, material: UsdShade.Material) -> None:
+        self.translation = translation
+        self.material = material
+        self.nodes: dict[str, Update] = {}
+        self.connections: list[tuple[str, str, str, str]] = []
+
+    def add(self, surface: UsdShade.Shader) -> None:
+        """The node and all above it. Iterative: a chain of thousands of nodes must not end Python's stack."""
+        pending = [surface]
+        while pending:
+            shader = pending.pop()
+            path = str(shader.GetPath())
+            if path in self.nodes:
+                continue
+            node: Update = {"path": path, "identifier": _identifier(shader), "parameters": {}}
+            self.nodes[path] = node
+            for shader_input in shader.GetInputs(onlyAuthored=True):
+                pending += self._input(node, shader_input)
+
+    def _input(self, node: Update, shader_input: UsdShade.Input) -> list[UsdShade.Shader]:
+        name = str(shader_input.GetBaseName())
+        above = []
+        for attribute in UsdShade.Utils.GetValueProducingAttributes(shader_input):
+            attribute_name, kind = UsdShade.Utils.GetBaseNameAndType(attribute.GetName())
+            if kind == UsdShade.AttributeType.Output:
+                source = UsdShade.Shader(attribute.GetPrim())
+                if not source:
+                    self.translation.diagnostics.warning(
+                        "material-bad-connection",
+                        shader_input.GetAttr().GetPath(),
+                        f"the input is connected to {attribute.GetPath()}, which is no output of a shader; it is ignored",
+                    )
+                    continue
+                self.connections.append((str(source.GetPath()), str(attribute_name), node["path"], name))
+                above.append(source)
+                continue
+            value = self._value(attribute, shader_input)
+            if value is not None:
+                node["parameters"][name] = value
+        return above
+
+    def _value(self, attribute: Usd.Attribute, shader_input: UsdShade.Input) -> Any:
+        """A constant as a plain Python value, colours in the rendering colour space."""
+        time = self.translation.time
+        type_name = attribute.GetTypeName()
+        if type_name == Sdf.ValueTypeNames.Asset:
+            value = asset_value(attribute, time)
+            # The colour space may stand on the shader's input while the file comes from the material's interface.
+            if value is not None and not value["colorSpace"]:
+                value["colorSpace"] = str(shader_input.GetAttr().GetColorSpace())
+            return value
+        value = attribute.Get(time)
+        if value is None:
+            return None
+        if isinstance(value, _VECTORS):
+            components = tuple(float(x) for x in value)
+            role = shader_input.GetTypeName().role or type_name.role
+            if role == Sdf.ValueRoleNames.Color and len(components) >= 3:
+                rgb = self.translation.options.convert_color(components[:3], str(attribute.GetColorSpace()))
+                components = (*rgb, *components[3:])
+            return components
+        if isinstance(value, _MATRICES):
+            return tuple(float(x) for x in np.asarray(value).reshape(-1))
+        if isinstance(value, bool | int | float | str):
+            return value
+        self.translation.diagnostics.warning(
+            "material-value-type",
+            attribute.GetPath(),
+            f"values of type {type_name} are not supported in material networks; the input keeps its default",
+        )
+        return None
+
+
+def _identifier(shader: UsdShade.Shader) -> str:
+    identifier = shader.GetIdAttr().Get()
+    if identifier:
+        return str(identifier)
+    source = shader.GetImplementationSource()
+    return f"({source})" if source else ""
+
+
+def material_contexts(translation: Translation, material: UsdShade.Material) -> dict[str, Update]:
+    """The surface networks of a material by render context, those that it has."""
+    contexts: dict[str, Update] = {}
+    seen: set[str] = set()
+    for context in translation.options.render_contexts:
+        output = material.GetSurfaceOutput(context)
+        if not output or not output.GetPrim():
+            continue
+        sources = UsdShade.Utils.GetValueProducingAttributes(output)
+        if not sources:
+            continue
+        shader = UsdShade.Shader(sources[0].GetPrim())
+        if not shader or str(sources[0].GetPath()) in seen:
+            continue
+        seen.add(str(sources[0].GetPath()))
+        network = _Network(translation, material)
+        network.add(shader)
+        output_name, _ = UsdShade.Utils.GetBaseNameAndType(sources[0].GetName())
+        contexts[context] = {
+            "nodes": list(network.nodes.values()),
+            "connections": network.connections,
+            "surface": (str(shader.GetPath()), str(output_name)),
+        }
+    return contexts
+
+
+def _report_other_terminals(translation: Translation, material: UsdShade.Material) -> None:
+    for context in translation.options.render_contexts:
+        for output, what in (
+            (material.GetDisplacementOutput(context), "displacement"),
+            (material.GetVolumeOutput(context), "volume"),
+        ):
+            if output and UsdShade.Utils.GetValueProducingAttributes(output):
+                translation.diagnostics.warning(
+                    f"material-{what}-unsupported", material.GetPath(), f"{what} is not rendered yet; it is ignored"
+                )
+
+
+def emit_material(translation: Translation, material: UsdShade.Material) -> None:
+    path = str(material.GetPath())
+    contexts = material_contexts(translation, material)
+    if not contexts:
+        others = sorted(str(o.GetBaseName()) for o in material.GetOutputs() if o.HasConnectedSource())
+        has = f"it has only {', '.join(others)}" if others else "it has no surface at all"
+        translation.diagnostics.warning(
+            "material-no-surface", path, f"the material has no surface that can be rendered: {has}; the default is used"
+        )
+    _report_other_terminals(translation, material)
+    translation.sink.sync_material(path, contexts)
