@@ -42,7 +42,7 @@ wavefront::CameraData ConvertCamera(const std::string& path, const CameraParams&
                                     const TimeSamples<wavefront::Matrix4d>& transforms, double imageAspect,
                                     ConformPolicy policy, const wavefront::DiagnosticSink& sink);
 
-// World to camera, and world to clip space divided to [-1, 1]^3 (z 0..1 as the depth AOV is [0,1] in z), row vectors.
+// World to camera, and world to clip space (x, y, z in [-1, 1] after division by w); row vectors.
 struct CameraMatrices {
   wavefront::Matrix4d worldToCamera, worldToNdc;
 };

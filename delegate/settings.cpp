@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the hdWavefront authors
+#include "delegate/settings.h"
+
+#include <array>
+#include <cmath>
+
+#include "wavefront/base/check.h"
+
+namespace delegate {
+namespace {
+
+template <SettingType type, typename T>
+SettingValue MakeValue(T value) {
+  if constexpr (type == SettingType::Int) return static_cast<int64_t>(value);
+  if constexpr (type == SettingType::Float) return static_cast<double>(value);
+  if constexpr (type == SettingType::Bool) return static_cast<bool>(value);
+}
+
+const SettingInfo kInfos[] = {
+#define DELEGATE_SETTING(token, type, defaultValue, minimum, maximum, doc)                                         \
+  {#token, SettingType::type, MakeValue<SettingType::type>(defaultValue), static_cast<double>(minimum),            \
+   static_cast<double>(maximum), doc},
+#include "delegate/settings.def"
+#undef DELEGATE_SETTING
+};
+
+// Hydra's own names for the same thing.
+constexpr std::array<std::pair<std::string_view, std::string_view>, 1> kAliases{
+    {{"convergedSamplesPerPixel", "samples"}}};
+
+// The value in the row's type, if it has one.
+std::optional<SettingValue> Convert(const SettingInfo& info, const SettingValue& value) {
+  const double number = std::visit([](auto v) { return static_cast<double>(v); }, value);
+  if (!(number >= info.minimum && number <= info.maximum)) return std::nullopt;
+  const bool whole = number == std::floor(number);
+  switch (info.type) {
+    case SettingType::Bool:
+      if (!whole) return std::nullopt;
+      return number != 0;
+    case SettingType::Int:
+      if (!whole || std::holds_alternative<bool>(value)) return std::nullopt;
+      return static_cast<int64_t>(number);
+    case SettingType::Float:
+      if (std::holds_alternative<bool>(value)) return std::nullopt;
+      return number;
+  }
+  return std::nullopt;
+}
+
+std::string Expected(const SettingInfo& info) {
+  const auto show = [](double v) {
+    return std::abs(v) < 1e15 && v == std::floor(v) ? std::to_string(static_cast<int64_t>(v)) : std::to_string(v);
+  };
+  if (info.type == SettingType::Bool) return "true or false";
+  return std::string(info.type == SettingType::Int ? "a whole number" : "a number") + " from " + show(info.minimum) +
+         " to " + (info.maximum >= 1e30 ? "1e30" : show(info.maximum));
+}
+
+}  // namespace
+
+std::span<const SettingInfo> RenderSettingInfos() { return kInfos; }
+
+const SettingInfo* FindRenderSetting(std::string_view token) {
+  for (const auto& [alias, name] : kAliases)
+    if (token == alias) token = name;
+  for (const SettingInfo& info : kInfos)
+    if (info.token == token) return &info;
+  return nullptr;
+}
+
+SettingValues::SettingValues() {
+  for (const SettingInfo& info : kInfos) values_.push_back(info.defaultValue);
+}
+
+wavefront::Result<bool> SettingValues::Set(std::string_view token, const SettingValue& value) {
+  const SettingInfo* info = FindRenderSetting(token);
+  if (!info) return wavefront::Error{"There is no render setting \"" + std::string(token) + "\"."};
+  const std::optional<SettingValue> converted = Convert(*info, value);
+  if (!converted)
+    return wavefront::Error{"Render setting " + std::string(info->token) + " wants " + Expected(*info) + "."};
+  SettingValue& current = values_[static_cast<size_t>(info - kInfos)];
+  if (current == *converted) return false;
+  current = *converted;
+  return true;
+}
+
+wavefront::Result<SettingValue> SettingValues::Get(std::string_view token) const {
+  const SettingInfo* info = FindRenderSetting(token);
+  if (!info) return wavefront::Error{"There is no render setting \"" + std::string(token) + "\"."};
+  return values_[static_cast<size_t>(info - kInfos)];
+}
+
+int64_t SettingValues::Int(std::string_view token) const {
+  auto value = Get(token);
+  WAVEFRONT_CHECK(value.ok(), "no setting %s", std::string(token).c_str());
+  return std::get<int64_t>(value.value());
+}
+
+bool SettingValues::Bool(std::string_view token) const {
+  auto value = Get(token);
+  WAVEFRONT_CHECK(value.ok(), "no setting %s", std::string(token).c_str());
+  return std::get<bool>(value.value());
+}
+
+void SettingValues::FillInto(wavefront::RenderSettings& settings) const {
+  const auto number = [this](std::string_view token) { return static_cast<uint32_t>(Int(token)); };
+  settings.firstSample = number("firstSample");
+  settings.samples = number("samples");
+  settings.maxBounces = number("maxBounces");
+  settings.rouletteBounce = number("rouletteBounce");
+  settings.maxTransparency = number("maxTransparency");
+  settings.seed = number("seed");
+  settings.poolSize = number("poolSize");
+  settings.samplesPerBatch = number("samplesPerBatch");
+  settings.radianceClamp = static_cast<float>(std::get<double>(Get("radianceClamp").value()));
+  settings.cameraVisibleDome = Bool("domeLightCameraVisibility");
+  settings.shadows = Bool("enableShadows");
+}
+
+}  // namespace delegate

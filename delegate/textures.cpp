@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the hdWavefront authors
+#include "delegate/textures.h"
+
+#include "wavefront/base/check.h"
+
+namespace delegate {
+
+TextureTable::TextureTable(wavefront::Renderer& renderer, wavefront::DiagnosticSink sink)
+    : renderer_(renderer), sink_(std::move(sink)) {}
+
+void TextureTable::ReportMissing(const Entry& entry, const std::string& location) const {
+  const std::string& file =
+      entry.request.texture.resolvedPath.empty() ? entry.request.authoredPath : entry.request.texture.resolvedPath;
+  sink_({wavefront::Severity::Warning, "texture-missing", location,
+         "The texture \"" + file + "\" cannot be used: " + entry.reason + " The fallback value is shown."});
+}
+
+uint32_t TextureTable::Acquire(const TextureKey& texture, const std::string& authoredPath, const std::string& location) {
+  std::unique_lock lock(mutex_);
+  auto [known, isNew] = keys_.try_emplace(texture, nextKey_);
+  if (isNew) {
+    Entry& entry = entries_[nextKey_];
+    entry.request = {nextKey_, texture, authoredPath, location};
+    if (texture.resolvedPath.empty()) {
+      entry.missing = true;
+      entry.reason = authoredPath.empty() ? "no file is named." : "the file was not found.";
+    }
+    ++nextKey_;
+  }
+  Entry& entry = entries_.at(known->second);
+  ++entry.users;
+  const uint32_t key = known->second;
+  if (entry.missing) {
+    const Entry copy = entry;
+    lock.unlock();
+    ReportMissing(copy, location);
+  }
+  return key;
+}
+
+void TextureTable::Release(uint32_t key) {
+  std::lock_guard lock(mutex_);
+  const auto found = entries_.find(key);
+  WAVEFRONT_CHECK(found != entries_.end() && found->second.users > 0, "texture %u is not in use", key);
+  --found->second.users;
+}
+
+std::vector<TextureLoadRequest> TextureTable::Pending() const {
+  std::lock_guard lock(mutex_);
+  std::vector<TextureLoadRequest> pending;
+  for (const auto& [texture, key] : keys_) {
+    const Entry& entry = entries_.at(key);
+    if (entry.users > 0 && !entry.missing && entry.id == wavefront::kInvalidId) pending.push_back(entry.request);
+  }
+  return pending;
+}
+
+wavefront::Status TextureTable::Set(uint32_t key, wavefront::TextureData data) {
+  const size_t texelBytes = data.format == wavefront::TexelFormat::Rgba8Unorm ? 4 : 8;
+  if (data.width == 0 || data.height == 0 || data.texels.size() != size_t{data.width} * data.height * texelBytes)
+    return wavefront::Error{"Texture " + std::to_string(key) + " has " + std::to_string(data.texels.size()) +
+                            " bytes, which is not what " + std::to_string(data.width) + " x " +
+                            std::to_string(data.height) + " texels need."};
+  std::lock_guard lock(mutex_);
+  const auto found = entries_.find(key);
+  if (found == entries_.end()) return wavefront::Error{"Texture " + std::to_string(key) + " was not asked for."};
+  Entry& entry = found->second;
+  if (data.name.empty()) data.name = entry.request.texture.resolvedPath;
+  if (entry.id != wavefront::kInvalidId) renderer_.DestroyTexture(entry.id);
+  entry.id = renderer_.CreateTexture(std::move(data));
+  entry.missing = false;
+  ++version_;
+  ++uploads_;
+  return {};
+}
+
+wavefront::Status TextureTable::SetMissing(uint32_t key, const std::string& reason) {
+  Entry copy;
+  {
+    std::lock_guard lock(mutex_);
+    const auto found = entries_.find(key);
+    if (found == entries_.end()) return wavefront::Error{"Texture " + std::to_string(key) + " was not asked for."};
+    Entry& entry = found->second;
+    if (entry.id != wavefront::kInvalidId) {
+      renderer_.DestroyTexture(entry.id);
+      entry.id = wavefront::kInvalidId;
+      ++version_;
+    }
+    entry.missing = true;
+    entry.reason = reason.empty() ? "it could not be read." : reason;
+    copy = entry;
+  }
+  ReportMissing(copy, copy.request.location);
+  return {};
+}
+
+wavefront::TextureId TextureTable::Id(uint32_t key) const {
+  std::lock_guard lock(mutex_);
+  const auto found = entries_.find(key);
+  WAVEFRONT_CHECK(found != entries_.end(), "texture %u is not known", key);
+  return found->second.id;
+}
+
+uint64_t TextureTable::version() const {
+  std::lock_guard lock(mutex_);
+  return version_;
+}
+
+uint64_t TextureTable::uploads() const {
+  std::lock_guard lock(mutex_);
+  return uploads_;
+}
+
+void TextureTable::Collect() {
+  std::lock_guard lock(mutex_);
+  for (auto i = entries_.begin(); i != entries_.end();) {
+    if (i->second.users > 0) {
+      ++i;
+      continue;
+    }
+    if (i->second.id != wavefront::kInvalidId) renderer_.DestroyTexture(i->second.id);
+    keys_.erase(i->second.request.texture);
+    i = entries_.erase(i);
+  }
+}
+
+}  // namespace delegate
