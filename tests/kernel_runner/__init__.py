@@ -23,6 +23,7 @@ from __future__ import annotations
 import atexit
 import functools
 import importlib
+import importlib.machinery
 import os
 import sys
 from collections.abc import Mapping, Sequence
@@ -43,8 +44,8 @@ def _load():
     folders = [Path(chosen)] if chosen else [ROOT / "build", *sorted((ROOT / "build").glob("*/"))]
     found = []
     for folder in folders:
-        for pattern in ("_kernel_runner*.so", "python/_kernel_runner*.so"):
-            found += folder.glob(pattern)
+        for suffix in importlib.machinery.EXTENSION_SUFFIXES:  # those that this Python can load
+            found += [*folder.glob(f"_kernel_runner{suffix}"), *folder.glob(f"python/_kernel_runner{suffix}")]
     if not found:
         raise ImportError(
             "the test module _kernel_runner is not built for this Python: build the target _kernel_runner, or set "
