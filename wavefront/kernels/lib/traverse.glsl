@@ -1,0 +1,370 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the hdWavefront authors
+// Rays through the two-level BVH: nearest hit, and whether a shadow ray gets through.
+//
+// What is hit is a function of the ray and the scene alone: t, u, v come from the triangle test in object space;
+// boxes only ever skip what cannot be hit, so no tree shape, node width or fetch path changes a result; of hits at
+// the same t the smallest (instance, triangle in mesh order) wins.
+//
+// Needs before it: bindings (bvhNodes, triangleRecords, instanceRecords), and somewhere in the kernel the two hooks
+// declared below. Layout of the code for lavapipe, which executes a loop's body once more when a `break` stands in
+// front of it, and both sides of every `if`: loops test at their end, rare work stays out of the inner loops.
+#ifndef WAVEFRONT_LIB_TRAVERSE_GLSL
+#define WAVEFRONT_LIB_TRAVERSE_GLSL
+#include "shared/scene_layout.h"
+#include "lib/ray.glsl"
+#include "lib/bvh_fetch.glsl"
+#include "lib/intersect_triangle.glsl"
+#include "lib/intersect_light_shape.glsl"
+
+// Hook: a ray took more steps than the budget allows; its answer cannot be trusted. Sets an error that the host
+// reports.
+void reportTraversalOverflow();
+// Hook: nothing passes through this material slot of the instance (asked only where the instance is not
+// kInstanceOpaque, at most once per shadow ray).
+bool isTriangleOpaque(uint instance, uint slot);
+
+// At most three entries per level: kMeshStackEntries + kInstanceStackEntries of scene/bvh/bvh.h, a sentinel for
+// each tree, and three places that a step may write before it knows how many it needs.
+const uint kTraversalStackSize = 63u + 45u + 2u + 4u;
+uint traversalStack[kTraversalStackSize];
+
+// Steps of one ray over all its loops. lavapipe 22.3.6 ends loops silently after 65,535 iterations, counted per
+// group of 8 lanes, which in nested loops can take as many as all lanes together.
+const uint kTraversalBudget = 8000u;
+
+const float kMaxFloat = 3.402823466e38;
+
+bool isInnerNode(uint reference) { return (reference & kBvhLeafBit) == 0u; }
+
+// ---- Boxes ----------------------------------------------------------------------------------------------------
+
+// A ray as boxes of one tree see it. `slack` widens every box, in units of t: it covers
+//  - the box test's own rounding,
+//  - the triangle test's: it can report a hit up to about 8 eps (|v - o| <= |o| + R) beside the triangle,
+//  - for the tree over instances, the rounding of the transform to object space: 4 eps (|o| + R), and as much again
+//    for the rounded matrix (shear beyond that is InstanceBounds' business),
+// with eps = 2^-24 and R the largest coordinate in the tree: 2^-20 (|o| + R) = 16 eps (|o| + R) in each tree.
+struct BoxRay {
+  vec3 origin;
+  vec3 inverse;
+  vec3 slack;
+};
+
+vec3 nodeSteps(uint exponents) {
+  return uintBitsToFloat((uvec3(exponents) << uvec3(23u, 15u, 7u)) & 0x7f800000u);
+}
+
+BoxRay prepareBoxRay(vec3 origin, vec3 direction, uint rootNode) {
+  uvec4 root = fetchBvhNode(rootNode * kBvhNodeTexels);
+  vec3 reach = abs(uintBitsToFloat(root.xyz)) + 255.0 * nodeSteps(root.w) + abs(origin);
+  float slack = max(reach.x, max(reach.y, reach.z)) * 9.5367431640625e-7;
+  // A component of 0 becomes one that moves the ray by far less than the slack.
+  vec3 a = abs(direction);
+  float least = max(a.x, max(a.y, a.z)) * 9.094947017729282e-13;  // 2^-40
+  vec3 inverse = 1.0 / mix(direction, mix(vec3(least), vec3(-least), lessThan(direction, vec3(0.0))),
+                           lessThan(a, vec3(least)));
+  return BoxRay(origin, inverse, slack * abs(inverse));
+}
+
+vec4 unpackBytes(uint word) { return vec4((uvec4(word) >> uvec4(0u, 8u, 16u, 24u)) & 255u); }
+
+uint popReference(inout uint top) {
+  --top;
+  return traversalStack[top];
+}
+
+// Tests the children of an inner node against [tMin, tMax]; puts those that are met on the stack, except the nearest
+// (ordered) or any of them, which is returned. If there is none, returns what was on top of the stack.
+uint stepDown(uint node, BoxRay ray, float tMin, float tMax, const bool ordered, inout uint top) {
+  uint texel = node * kBvhNodeTexels;
+  uvec4 head = fetchBvhNode(texel);
+  uvec4 children = fetchBvhNode(texel + 1u);
+  uvec4 planes = fetchBvhNode(texel + 2u);
+  uvec2 planesHigh = fetchBvhNode(texel + 3u).xy;
+  vec3 scale = nodeSteps(head.w) * ray.inverse;
+  vec3 base = (uintBitsToFloat(head.xyz) - ray.origin) * ray.inverse;
+  vec3 baseNear = base - ray.slack;
+  vec3 baseFar = base + ray.slack;
+  bvec3 backwards = lessThan(ray.inverse, vec3(0.0));
+  uvec3 low = planes.xyz;
+  uvec3 high = uvec3(planes.w, planesHigh);
+  uvec3 near = mix(low, high, backwards);
+  uvec3 far = mix(high, low, backwards);
+  vec4 tNear = max(max(unpackBytes(near.x) * scale.x + baseNear.x, unpackBytes(near.y) * scale.y + baseNear.y),
+                   max(unpackBytes(near.z) * scale.z + baseNear.z, vec4(tMin)));
+  vec4 tFar = min(min(unpackBytes(far.x) * scale.x + baseFar.x, unpackBytes(far.y) * scale.y + baseFar.y),
+                  min(unpackBytes(far.z) * scale.z + baseFar.z, vec4(tMax)));
+  bvec4 met = lessThanEqual(tNear, tFar);
+  met = bvec4(met.x && children.x != kBvhEmpty, met.y && children.y != kBvhEmpty, met.z && children.z != kBvhEmpty,
+              met.w && children.w != kBvhEmpty);
+  if (!ordered) {
+    traversalStack[top] = children.x;
+    top += uint(met.x);
+    traversalStack[top] = children.y;
+    top += uint(met.y);
+    traversalStack[top] = children.z;
+    top += uint(met.z);
+    traversalStack[top] = children.w;
+    top += uint(met.w);
+    return popReference(top);
+  }
+  // Distances are not negative, so their bits sort like numbers; the last two make room for the child's number.
+  uvec4 keys = (floatBitsToUint(tNear) & 0xfffffffcu) | uvec4(0u, 1u, 2u, 3u);
+  keys = mix(uvec4(0xffffffffu), keys, met);
+  uvec2 small = min(keys.xz, keys.yw);
+  uvec2 large = max(keys.xz, keys.yw);
+  uint first = min(small.x, small.y);
+  uint last = max(large.x, large.y);
+  uint a = max(small.x, small.y);
+  uint b = min(large.x, large.y);
+  uint second = min(a, b);
+  uint third = max(a, b);
+  traversalStack[top] = children[last & 3u];
+  top += uint(last != 0xffffffffu);
+  traversalStack[top] = children[third & 3u];
+  top += uint(third != 0xffffffffu);
+  traversalStack[top] = children[second & 3u];
+  top += uint(second != 0xffffffffu);
+  bool any = first != 0xffffffffu;
+  top -= uint(!any);
+  return any ? children[first & 3u] : traversalStack[top];
+}
+
+// ---- Instances ------------------------------------------------------------------------------------------------
+
+// What a ray may still hit at its very beginning. A ray that goes on behind a surface keeps its origin, sets tMin to
+// that hit's t and names the hit: then what lies at the same t and later in order is found, and nothing twice.
+// The named triangle itself is never hit: it is flat, and has been passed, or is what the ray starts on.
+struct InstanceVisit {
+  vec3 origin;
+  vec3 direction;
+  uint nodeBase;
+  uint triangleBase;
+  uint flags;
+  uint firstAtMin;   // at t == tMin, hits need a mesh triangle >= this (kNoHit: none is taken)
+  uint skipped;      // mesh triangle that is never hit
+  bool enter;        // visible and usable
+};
+
+bool isFiniteVector(vec3 v) { return all(lessThanEqual(abs(v), vec3(kMaxFloat))); }
+
+// The mesh triangle behind a record; 0 for light shapes, whose records do not exist.
+uint meshTriangleOf(uint instance, uint record) {
+  bool isMesh = (fetchInstanceU(instance * kInstanceTexels + 3u).z & kInstanceKindMask) == kKindMesh;
+  uint index = floatBitsToUint(fetchTriangle(record * kTriangleTexels).w);
+  return isMesh ? index : 0u;
+}
+
+InstanceVisit visitInstance(uint instance, Ray ray, uint visibilityMask, uint skipInstance, uint skipMeshTriangle) {
+  InstanceVisit visit;
+  uint texel = instance * kInstanceTexels;
+  uvec4 info = fetchInstanceU(texel + 3u);
+  vec4 x = fetchInstanceF(texel);
+  vec4 y = fetchInstanceF(texel + 1u);
+  vec4 z = fetchInstanceF(texel + 2u);
+  vec3 o = ray.origin;
+  vec3 d = ray.direction;
+  // Written out: the order of the sums is part of what makes t a function of ray and scene in every kernel.
+  precise vec3 origin = vec3(x.x * o.x + x.y * o.y + x.z * o.z + x.w, y.x * o.x + y.y * o.y + y.z * o.z + y.w,
+                             z.x * o.x + z.y * o.y + z.z * o.z + z.w);
+  precise vec3 direction = vec3(x.x * d.x + x.y * d.y + x.z * d.z, y.x * d.x + y.y * d.y + y.z * d.z,
+                                z.x * d.x + z.y * d.y + z.z * d.z);
+  visit.origin = origin;
+  visit.direction = direction;
+  visit.nodeBase = info.x;
+  visit.triangleBase = info.y;
+  visit.flags = info.z;
+  bool isSkipped = instance == skipInstance;
+  bool goesOn = skipInstance != kNoHit;
+  visit.firstAtMin = !goesOn || instance > skipInstance ? 0u : (isSkipped ? skipMeshTriangle + 1u : kNoHit);
+  visit.skipped = isSkipped ? skipMeshTriangle : kNoHit;
+  visit.enter = (info.w & visibilityMask & 0xffu) != 0u && isFiniteVector(origin) && isFiniteVector(direction);
+  return visit;
+}
+
+bool isUsableRay(Ray ray) {
+  return isFiniteVector(ray.origin) && isFiniteVector(ray.direction) && any(notEqual(ray.direction, vec3(0.0))) &&
+         ray.tMin <= ray.tMax;
+}
+
+// The better of two hits: nearer, then earlier in (instance, mesh triangle).
+bool isBefore(float tA, uint instanceA, uint triangleA, float tB, uint instanceB, uint triangleB) {
+  return tA < tB || (tA == tB && (instanceA < instanceB || (instanceA == instanceB && triangleA < triangleB)));
+}
+
+// ---- Nearest hit ----------------------------------------------------------------------------------------------
+
+// Nearest hit with tMin <= t <= tMax on instances whose visibility meets the mask: true, and `hit` is set; else `hit`
+// is left alone. skipInstance, skipTriangle (record): the surface that the ray starts on or goes on behind (see
+// InstanceVisit); kNoHit: none. Light shapes count like any other surface.
+bool traverseClosest(Ray ray, uint visibilityMask, uint skipInstance, uint skipTriangle, inout Hit hit) {
+  if (!isUsableRay(ray)) return false;
+  float tMin = max(ray.tMin, 0.0);
+  float tMax = min(ray.tMax, kMaxFloat);
+  uint skipMeshTriangle = skipInstance == kNoHit ? kNoHit : meshTriangleOf(skipInstance, skipTriangle);
+  Hit best = noHit(tMax);
+  uint bestMeshTriangle = kNoHit;
+  BoxRay worldRay = prepareBoxRay(ray.origin, ray.direction, tlasRoot());
+  uint steps = 0u;
+  traversalStack[0] = kBvhEmpty;
+  uint top = 1u;
+  uint reference = 0u;
+  do {
+    while (isInnerNode(reference) && steps < kTraversalBudget) {
+      reference = stepDown(tlasRoot() + reference, worldRay, tMin, best.t, true, top);
+      ++steps;
+    }
+    if (reference == kBvhEmpty || steps >= kTraversalBudget) break;
+    uint instance = reference & kBvhLeafFirstMask;
+    InstanceVisit visit = visitInstance(instance, ray, visibilityMask, skipInstance, skipMeshTriangle);
+    uint kind = visit.flags & kInstanceKindMask;
+    if (visit.enter && kind != kKindMesh) {
+      float t, u, v;
+      bool found = intersectLightShape(kind, visit.origin, visit.direction, tMin, visit.firstAtMin != 0u, t, u, v);
+      if (found && isBefore(t, instance, 0u, best.t, best.instance, bestMeshTriangle)) {
+        best = Hit(t, instance, 0u, u, v);
+        bestMeshTriangle = 0u;
+      }
+    }
+    if (visit.enter && kind == kKindMesh) {
+      BoxRay boxRay = prepareBoxRay(visit.origin, visit.direction, visit.nodeBase);
+      TriangleTestRay testRay = prepareTriangleTest(visit.origin, visit.direction);
+      traversalStack[top] = kBvhEmpty;
+      ++top;
+      uint inside = 0u;
+      do {
+        do {
+          inside = stepDown(visit.nodeBase + inside, boxRay, tMin, best.t, true, top);
+          ++steps;
+        } while (isInnerNode(inside) && steps < kTraversalBudget);
+        // Leaf after leaf, one triangle per turn, until an inner node comes off the stack.
+        bool inLeaf = inside != kBvhEmpty && !isInnerNode(inside);
+        if (inLeaf) {
+          uint record = visit.triangleBase + (inside & kBvhLeafFirstMask);
+          uint left = (inside >> kBvhLeafCountShift) & 7u;
+          do {
+            vec4 v0 = fetchTriangle(record * kTriangleTexels);
+            vec3 v1 = fetchTriangle(record * kTriangleTexels + 1u).xyz;
+            vec3 v2 = fetchTriangle(record * kTriangleTexels + 2u).xyz;
+            float t, u, v;
+            bool found = intersectTriangle(testRay, v0.xyz, v1, v2, t, u, v);
+            uint meshTriangle = floatBitsToUint(v0.w);
+            found = found && meshTriangle != visit.skipped &&
+                    (t > tMin || (t == tMin && meshTriangle >= visit.firstAtMin && visit.firstAtMin != kNoHit)) &&
+                    isBefore(t, instance, meshTriangle, best.t, best.instance, bestMeshTriangle);
+            if (found) {
+              best = Hit(t, instance, record, u, v);
+              bestMeshTriangle = meshTriangle;
+            }
+            ++steps;
+            if (left == 0u) {
+              inside = popReference(top);
+              inLeaf = inside != kBvhEmpty && !isInnerNode(inside);
+              record = visit.triangleBase + (inside & kBvhLeafFirstMask);
+              left = (inside >> kBvhLeafCountShift) & 7u;
+            } else {
+              --left;
+              ++record;
+            }
+          } while (inLeaf && steps < kTraversalBudget);
+        }
+      } while (inside != kBvhEmpty && steps < kTraversalBudget);
+    }
+    reference = popReference(top);
+  } while (reference != kBvhEmpty && steps < kTraversalBudget);
+  if (steps >= kTraversalBudget) reportTraversalOverflow();
+  if (best.instance == kNoHit) return false;
+  hit = best;
+  return true;
+}
+
+// ---- Shadow rays ----------------------------------------------------------------------------------------------
+
+const uint kShadowClear = 0u;
+const uint kShadowBlocked = 1u;
+const uint kShadowNeedsOpacity = 2u;
+
+// Whether anything stands between tMin and tMax. Blocked: something opaque does, wherever. NeedsOpacity: something that
+// may let light through does; `candidate` is the nearest such hit. The opacity kernel weighs it and, if light is left,
+// the ray goes on behind it (tMin = candidate.t, skip = candidate). Light shapes throw no shadows.
+// An instance with opaque and other materials counts as one that may let light through, hit by hit.
+uint traverseShadow(Ray ray, uint visibilityMask, uint skipInstance, uint skipTriangle, out Hit candidate) {
+  candidate = noHit(ray.tMax);
+  if (!isUsableRay(ray)) return kShadowClear;
+  float tMin = max(ray.tMin, 0.0);
+  float tMax = min(ray.tMax, kMaxFloat);
+  uint skipMeshTriangle = skipInstance == kNoHit ? kNoHit : meshTriangleOf(skipInstance, skipTriangle);
+  Hit best = noHit(tMax);
+  uint bestMeshTriangle = kNoHit;
+  bool blocked = false;
+  BoxRay worldRay = prepareBoxRay(ray.origin, ray.direction, tlasRoot());
+  uint steps = 0u;
+  traversalStack[0] = kBvhEmpty;
+  uint top = 1u;
+  uint reference = 0u;
+  do {
+    while (isInnerNode(reference) && steps < kTraversalBudget) {
+      reference = stepDown(tlasRoot() + reference, worldRay, tMin, tMax, false, top);
+      ++steps;
+    }
+    if (reference == kBvhEmpty || steps >= kTraversalBudget) break;
+    uint instance = reference & kBvhLeafFirstMask;
+    InstanceVisit visit = visitInstance(instance, ray, visibilityMask, skipInstance, skipMeshTriangle);
+    bool opaque = (visit.flags & kInstanceOpaque) != 0u;
+    if (visit.enter && (visit.flags & kInstanceKindMask) == kKindMesh) {
+      BoxRay boxRay = prepareBoxRay(visit.origin, visit.direction, visit.nodeBase);
+      TriangleTestRay testRay = prepareTriangleTest(visit.origin, visit.direction);
+      traversalStack[top] = kBvhEmpty;
+      ++top;
+      uint inside = 0u;
+      do {
+        float tEnd = opaque ? tMax : best.t;
+        do {
+          inside = stepDown(visit.nodeBase + inside, boxRay, tMin, tEnd, false, top);
+          ++steps;
+        } while (isInnerNode(inside) && steps < kTraversalBudget);
+        bool inLeaf = inside != kBvhEmpty && !isInnerNode(inside);
+        if (inLeaf) {
+          uint record = visit.triangleBase + (inside & kBvhLeafFirstMask);
+          uint left = (inside >> kBvhLeafCountShift) & 7u;
+          do {
+            vec4 v0 = fetchTriangle(record * kTriangleTexels);
+            vec3 v1 = fetchTriangle(record * kTriangleTexels + 1u).xyz;
+            vec3 v2 = fetchTriangle(record * kTriangleTexels + 2u).xyz;
+            float t, u, v;
+            bool found = intersectTriangle(testRay, v0.xyz, v1, v2, t, u, v);
+            uint meshTriangle = floatBitsToUint(v0.w);
+            found = found && meshTriangle != visit.skipped && t <= tMax &&
+                    (t > tMin || (t == tMin && meshTriangle >= visit.firstAtMin && visit.firstAtMin != kNoHit));
+            blocked = blocked || (found && opaque);
+            if (found && isBefore(t, instance, meshTriangle, best.t, best.instance, bestMeshTriangle)) {
+              best = Hit(t, instance, record, u, v);
+              bestMeshTriangle = meshTriangle;
+            }
+            ++steps;
+            if (left == 0u) {
+              inside = popReference(top);
+              inLeaf = inside != kBvhEmpty && !isInnerNode(inside);
+              record = visit.triangleBase + (inside & kBvhLeafFirstMask);
+              left = (inside >> kBvhLeafCountShift) & 7u;
+            } else {
+              --left;
+              ++record;
+            }
+          } while (inLeaf && !blocked && steps < kTraversalBudget);
+        }
+      } while (inside != kBvhEmpty && !blocked && steps < kTraversalBudget);
+    }
+    reference = popReference(top);
+  } while (reference != kBvhEmpty && !blocked && steps < kTraversalBudget);
+  if (steps >= kTraversalBudget) reportTraversalOverflow();
+  if (blocked) return kShadowBlocked;
+  if (best.instance == kNoHit) return kShadowClear;
+  uint slot = floatBitsToUint(fetchTriangle(best.triangle * kTriangleTexels + 1u).w);
+  if (isTriangleOpaque(best.instance, slot)) return kShadowBlocked;
+  candidate = best;
+  return kShadowNeedsOpacity;
+}
+
+#endif
