@@ -13,7 +13,7 @@
 #include <list>
 #include <stdexcept>
 
-#include "glsl.h"
+#include "tests/kernel_runner/glsl.h"
 #include "wavefront/vulkan/command_stream.h"
 #include "wavefront/vulkan/descriptors.h"
 #include "wavefront/vulkan/device.h"
@@ -180,7 +180,10 @@ std::vector<uint32_t> Words(const nb::bytes& spirv) {
 
 }  // namespace
 
+void bindBvh(nb::module_& module);  // bvh_bindings.cpp
+
 NB_MODULE(_kernel_runner, m) {
+  bindBvh(m);
   m.def("compile", [](const std::string& source, const std::string& stage, const std::vector<std::string>& folders) {
     const std::vector<uint32_t> spirv = kernel_runner::CompileGlsl(source, stage, folders);
     return nb::bytes(spirv.data(), spirv.size() * sizeof(uint32_t));
