@@ -193,7 +193,7 @@ void AddCapsule(const ImplicitInput& input, ShapeBuilder& builder) {
   const double total = quarter * (bottom + top) + side;
   const double v1 = quarter * bottom / total, v2 = (quarter * bottom + side) / total;
   builder.AddBowl(bottom, -input.height / 2, -1, 0, 0, v1, 0);
-  if (input.height > 0) builder.AddSide(bottom, top, input.height, v1, v2, 1);
+  if (side > 0) builder.AddSide(bottom, top, input.height, v1, v2, 1);
   builder.AddBowl(top, input.height / 2, 0, 1, v2, 1, 2);
 }
 

@@ -20,9 +20,8 @@ bool IsUsable(const wavefront::Float3& p) {
   return std::fabs(p.x) <= kMaxCoordinate && std::fabs(p.y) <= kMaxCoordinate && std::fabs(p.z) <= kMaxCoordinate;
 }
 
-std::string Count(const Tally& tally, const char* noun, const char* where) {
-  return std::to_string(tally.count) + " " + noun + (tally.count == 1 ? "" : "s") + " (first: " + where + " " +
-         std::to_string(tally.first) + ")";
+std::string Faces(const Tally& tally) {
+  return std::to_string(tally.count) + (tally.count == 1 ? " face" : " faces") + " (first: face " + std::to_string(tally.first) + ")";
 }
 
 Scheme ReadScheme(const std::string& token, const MeshReport& report) {
@@ -117,7 +116,7 @@ void CollectFaces(const MeshInput& input, CheckedTopology& checked, FaceTallies&
 void ReportFaces(const MeshInput& input, const FaceTallies& bad, const CheckedTopology& checked, const MeshReport& report) {
   const char* code = "mesh-bad-topology";
   const auto tell = [&](const Tally& tally, const char* what) {
-    if (tally.count) report.Warn(code, Count(tally, "face", "face") + " " + what + "; left out.");
+    if (tally.count) report.Warn(code, Faces(tally) + " " + what + "; left out.");
   };
   tell(bad.negative, "with a negative faceVertexCounts");
   tell(bad.tooFew, "with fewer than 3 points");
@@ -125,7 +124,7 @@ void ReportFaces(const MeshInput& input, const FaceTallies& bad, const CheckedTo
   tell(bad.badIndex, "naming points that do not exist");
   tell(bad.degenerate, "with fewer than 3 different points");
   if (bad.badPoint.count)
-    report.Warn("mesh-bad-points", Count(bad.badPoint, "face", "face") + " with points that are not finite or beyond 1e18; left out.");
+    report.Warn("mesh-bad-points", Faces(bad.badPoint) + " with points that are not finite or beyond 1e18; left out.");
   const size_t indexCount = input.topology.faceVertexIndices.size();
   if (checked.cornerCount < indexCount)
     report.Warn(code, "faceVertexCounts sum to " + std::to_string(checked.cornerCount) + " but there are " +
@@ -143,7 +142,8 @@ void MarkHoles(const MeshInput& input, CheckedTopology& checked, const MeshRepor
     else authored[holes[i]] = 1;
   }
   if (bad.count)
-    report.Warn("mesh-bad-topology", Count(bad, "entry", "entry") + " of holeIndices naming faces that do not exist; ignored.");
+    report.Warn("mesh-bad-topology", std::to_string(bad.count) + " holeIndices (first: entry " + std::to_string(bad.first) +
+                                         ") name faces that do not exist; ignored.");
   checked.isHole.resize(checked.faces.size());
   for (size_t i = 0; i < checked.faces.size(); ++i) checked.isHole[i] = authored[checked.faces[i].id];
 }
@@ -166,10 +166,10 @@ void AssignSlots(const MeshInput& input, CheckedTopology& checked, const MeshRep
       else checked.slots[face] = slot;
     }
     if (outside.count)
-      report.Warn("mesh-bad-subset", "Subset " + subsets[s].path + " names " + Count(outside, "face", "face") +
+      report.Warn("mesh-bad-subset", "Subset " + subsets[s].path + " names " + Faces(outside) +
                                          " that the mesh does not have; ignored.");
     if (taken.count)
-      report.Warn("mesh-bad-subset", "Subset " + subsets[s].path + " names " + Count(taken, "face", "face") +
+      report.Warn("mesh-bad-subset", "Subset " + subsets[s].path + " names " + Faces(taken) +
                                          " of an earlier subset; the earlier one keeps them.");
   }
 }

@@ -192,7 +192,8 @@ struct FaceWriter {
     const auto at = [&](int vertex) { return Vec3(mesh.positions[static_cast<size_t>(vertex)]); };
     for (int face = 0; face < level.GetNumFaces(); ++face) {
       const uint32_t parent = parents[static_cast<size_t>(face)];
-      if (!topology.isHole.empty() && topology.isHole[parent]) continue;
+      // OpenSubdiv marks holes of its own: faces at a boundary that interpolateBoundary "none" leaves undefined.
+      if (level.IsFaceHole(face) || (!topology.isHole.empty() && topology.isHole[parent])) continue;
       const Far::ConstIndexArray v = level.GetFaceVertices(face);
       if (v.size() == 3) {
         Add(face, parent, 0, 1, 2);

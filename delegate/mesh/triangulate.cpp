@@ -3,6 +3,7 @@
 #include "delegate/mesh/triangulate.h"
 
 #include <cmath>
+#include <numbers>
 
 namespace delegate {
 
@@ -41,6 +42,27 @@ double PolygonTriangulator::Turn(uint32_t a, uint32_t b, uint32_t c) const {
 PolygonTriangulator::Corner PolygonTriangulator::Classify(uint32_t b) const {
   const double turn = Turn(prev_[b], b, next_[b]);
   return turn > 0 ? Corner::Convex : turn < 0 ? Corner::Reflex : Corner::Straight;
+}
+
+// Whether the outline turns by a full circle in all, as every simple polygon does (Hopf 1935). True as well where it
+// turns back on itself, because the sense of that turn cannot be told.
+bool PolygonTriangulator::TurnsOnce() const {
+  const size_t n = points_.size();
+  Point2 first{0, 0}, last{0, 0};
+  double sum = 0;
+  const auto turn = [&](const Point2& from, const Point2& to) {
+    const double cross = from.x * to.y - from.y * to.x, dot = from.x * to.x + from.y * to.y;
+    sum += std::atan2(cross, dot);
+    return !(cross == 0 && dot < 0);
+  };
+  for (size_t i = 0; i < n; ++i) {
+    const Point2 a = points_[i], b = points_[(i + 1) % n], edge{b.x - a.x, b.y - a.y};
+    if (edge.x == 0 && edge.y == 0) continue;
+    if (last.x == 0 && last.y == 0) first = edge;
+    else if (!turn(last, edge)) return true;
+    last = edge;
+  }
+  return !turn(last, first) || std::fabs(sum - 2 * std::numbers::pi) < 1;
 }
 
 bool PolygonTriangulator::FanIsValid() const {
@@ -113,7 +135,7 @@ PolygonOutcome PolygonTriangulator::ClipEars(std::vector<uint32_t>& triangles) {
     if (corners_[i] != Corner::Convex) blockers_.push_back(i);
   }
   enum Effort { Ears, Straights, Convexes, Anything };
-  PolygonOutcome outcome = PolygonOutcome::Simple;
+  PolygonOutcome outcome = TurnsOnce() ? PolygonOutcome::Simple : PolygonOutcome::SelfIntersecting;
   uint32_t current = 0, left = n, misses = 0;
   int effort = Ears;
   while (left > 3) {
@@ -157,7 +179,7 @@ PolygonOutcome PolygonTriangulator::Triangulate(std::span<const Vec3> polygon, s
     return PolygonOutcome::Simple;
   }
   Project(polygon, NewellNormal(polygon));
-  if (!FanIsValid()) return ClipEars(triangles);
+  if (!FanIsValid() || !TurnsOnce()) return ClipEars(triangles);
   for (uint32_t i = 1; i + 1 < n; ++i) triangles.insert(triangles.end(), {0, i, i + 1});
   return PolygonOutcome::Simple;
 }

@@ -25,7 +25,7 @@ class PolygonTriangulator {
  public:
   // Appends count - 2 triangles to `triangles` as numbers 0 .. count - 1, wound as the polygon. At least 3 points.
   // A simple polygon, concave or with a hole that is joined by a doubled edge, is covered exactly once. A polygon that
-  // crosses itself gets count - 2 triangles too, but no promise on their shape.
+  // crosses itself gets count - 2 triangles too, but no promise on their shape, and is not always noticed.
   PolygonOutcome Triangulate(std::span<const Vec3> polygon, std::vector<uint32_t>& triangles);
 
  private:
@@ -34,6 +34,7 @@ class PolygonTriangulator {
   void Project(std::span<const Vec3> polygon, const Vec3& normal);
   double Turn(uint32_t a, uint32_t b, uint32_t c) const;
   Corner Classify(uint32_t b) const;
+  bool TurnsOnce() const;
   bool FanIsValid() const;
   bool IsEar(uint32_t b);
   bool Blocks(uint32_t p, uint32_t a, uint32_t b, uint32_t c) const;
