@@ -1,0 +1,182 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright the hdWavefront authors
+"""Decodes textures for the delegate: RGBA, uint8 where the file's bytes are the values, half floats in the rendering
+colour space elsewhere. Files are read in strips, so that the host never holds more than the result.
+"""
+
+from __future__ import annotations
+
+import os
+import tempfile
+from collections.abc import Callable, Iterator
+from typing import Any
+
+import numpy as np
+
+from ..color.manager import ColorManager
+from ..errors import Diagnostics
+
+_STRIP_BYTES = 16 << 20
+_MAX_SIDE = 32768
+_HALF_MAX = 65504.0
+
+
+class TextureError(Exception):
+    """Why an image cannot be used; the text goes into a diagnostic that names prim and file."""
+
+
+def load_texture(
+    path: str, color_space: str, is_color: bool, colors: ColorManager, diagnostics: Diagnostics
+) -> np.ndarray:
+    """(height, width, 4) uint8 or float16, row 0 at the top. TextureError where the file cannot be used.
+
+    `color_space`: raw, sRGB, auto, a space's name, or empty, which is auto. Grey images fill red, green and blue; a second
+    channel is alpha, as UsdUVTexture has it.
+    """
+    if "<UDIM>" in path:
+        raise TextureError("UDIM textures are not supported yet")
+    if os.path.exists(path):
+        return _load_file(path, color_space, is_color, colors, diagnostics)
+    data = _package_bytes(path)
+    if data is None:
+        raise TextureError("the file does not exist or cannot be read")
+    suffix = os.path.splitext(path.rstrip("]"))[1]
+    with tempfile.NamedTemporaryFile(suffix=suffix) as file:
+        file.write(data)
+        file.flush()
+        return _load_file(file.name, color_space, is_color, colors, diagnostics)
+
+
+def _package_bytes(path: str) -> Any:
+    """The bytes of a file inside a package (scene.usdz[image.png]), by USD's resolver."""
+    if "[" not in path:
+        return None
+    from ..stage_adapters.assets import open_asset
+
+    return open_asset(path)
+
+
+def _load_file(
+    path: str, color_space: str, is_color: bool, colors: ColorManager, diagnostics: Diagnostics
+) -> np.ndarray:
+    import OpenImageIO as oiio
+
+    config = oiio.ImageSpec()
+    config.attribute("oiio:UnassociatedAlpha", 1)  # USD's textures are used as they are, never premultiplied
+    source = oiio.ImageInput.open(path, config)
+    if source is None:
+        raise TextureError(f"the file cannot be read as an image: {_first_line(oiio.geterror())}")
+    try:
+        spec = source.spec()
+        if not (0 < spec.width <= _MAX_SIDE and 0 < spec.height <= _MAX_SIDE):
+            raise TextureError(f"its size {spec.width} x {spec.height} is not within 1..{_MAX_SIDE} a side")
+        channels = _choose_channels(list(spec.channelnames))
+        space = _resolve_space(spec, color_space, is_color, len(channels), oiio)
+        try:
+            processor = colors.to_rendering(space) if is_color else None
+        except LookupError:
+            diagnostics.warning("texture-color-space", path, f"the colour space '{space}' is unknown; the values are taken as they are")
+            processor = None
+        bytes_as_is = spec.format.basetype == oiio.UINT8 and processor is None
+        halves_as_is = spec.format.basetype == oiio.HALF and processor is None
+        kind = oiio.UINT8 if bytes_as_is else oiio.HALF if halves_as_is else oiio.FLOAT
+        pixels = np.empty((spec.height, spec.width, 4), dtype=np.uint8 if bytes_as_is else np.float16)
+        clipped = False
+        for begin, strip in _strips(source, spec, channels, kind):
+            target = pixels[begin : begin + len(strip)]
+            if bytes_as_is or halves_as_is:
+                _expand(strip, target, 255 if bytes_as_is else 1)
+                clipped |= halves_as_is and _clip_halves(target)
+                continue
+            rgba = np.empty(target.shape, dtype=np.float32)
+            _expand(strip, rgba, 1)
+            if processor is not None:
+                processor.applyRGBA(rgba)
+            clipped |= _clip_floats(rgba)
+            target[...] = rgba
+        if clipped:
+            diagnostics.info("texture-clipped", path, f"values beyond {_HALF_MAX:.0f}, or that are no numbers, were clipped")
+        return pixels
+    finally:
+        source.close()
+
+
+def _first_line(text: str) -> str:
+    return text.strip().splitlines()[0] if text.strip() else "unknown reason"
+
+
+def _choose_channels(names: list[str]) -> list[int]:
+    """Channels of the main layer: R, G, B, A by name, else the first ones."""
+    lower = [n.lower() for n in names]
+    for wanted in (("r", "g", "b", "a"), ("r", "g", "b"), ("y", "a")):
+        if all(w in lower for w in wanted):
+            return [lower.index(w) for w in wanted]
+    return list(range(min(len(names), 4)))
+
+
+def _resolve_space(spec: Any, color_space: str, is_color: bool, channels: int, oiio: Any) -> str:
+    """UsdUVTexture's sourceColorSpace: "auto" means sRGB for 8-bit images of three or more channels, else raw."""
+    if not is_color:
+        return "raw"
+    if color_space and color_space.lower() != "auto":
+        return color_space
+    stated = spec.get_string_attribute("oiio:ColorSpace").lower()
+    is_linear = stated.startswith("lin") or stated == "scene_linear"
+    if spec.format.basetype == oiio.UINT8 and channels >= 3 and not is_linear:
+        return "sRGB"
+    return "raw"
+
+
+def _strips(source: Any, spec: Any, channels: list[int], kind: Any) -> Iterator[tuple[int, np.ndarray]]:
+    """(first row, (rows, width, channels)) from top to bottom, in OpenImageIO's type `kind`."""
+    low, high = min(channels), max(channels) + 1
+    picked = [c - low for c in channels]
+    straight = picked == list(range(high - low))
+    step = max(1, _STRIP_BYTES // max(1, spec.width * (high - low) * 4))
+    read: Callable[[int, int], Any]
+    if spec.tile_width:
+        step = max(1, step // spec.tile_height) * spec.tile_height
+
+        def read(begin: int, end: int) -> Any:
+            return source.read_tiles(
+                0, 0, spec.x, spec.x + spec.width, spec.y + begin, spec.y + end, 0, 1, low, high, kind
+            )
+    else:
+
+        def read(begin: int, end: int) -> Any:
+            return source.read_scanlines(0, 0, spec.y + begin, spec.y + end, 0, low, high, kind)
+
+    for begin in range(0, spec.height, step):
+        end = min(begin + step, spec.height)
+        strip = read(begin, end)
+        if strip is None:
+            raise TextureError(f"the image is damaged at row {begin}: {_first_line(source.geterror())}")
+        strip = np.asarray(strip).reshape(end - begin, spec.width, high - low)
+        yield begin, strip if straight else strip[:, :, picked]
+
+
+def _expand(strip: np.ndarray, rgba: np.ndarray, one: float) -> None:
+    count = strip.shape[2]
+    if count == 4:
+        rgba[...] = strip
+        return
+    rgba[..., :3] = strip if count == 3 else strip[..., :1]
+    rgba[..., 3] = strip[..., 1] if count == 2 else one
+
+
+def _clip_floats(rgba: np.ndarray) -> bool:
+    """Clips to what a half float holds; True if anything changed."""
+    low, high = float(rgba.min()), float(rgba.max())
+    if -_HALF_MAX <= low and high <= _HALF_MAX:  # false for NaN as well
+        return False
+    np.nan_to_num(rgba, copy=False, nan=0.0, posinf=_HALF_MAX, neginf=-_HALF_MAX)
+    np.clip(rgba, -_HALF_MAX, _HALF_MAX, out=rgba)
+    return True
+
+
+def _clip_halves(rgba: np.ndarray) -> bool:
+    """The same for half floats, where only infinities and NaN can be out of range: all bits of the exponent set."""
+    if not ((rgba.view(np.uint16) & 0x7C00) == 0x7C00).any():
+        return False
+    np.nan_to_num(rgba, copy=False, nan=0.0, posinf=_HALF_MAX, neginf=-_HALF_MAX)
+    return True
