@@ -43,8 +43,7 @@ vec3 conductorAlbedo(ConductorLobe l, vec3 wo)
     GgxMean mean = ggxMean(abs(wo.z), ggxMeanAlpha(l.alpha));
     vec3 fx = fresnelConductor(mean.cosine.x, l.ior, l.extinction);
     vec3 fy = fresnelConductor(mean.cosine.y, l.ior, l.extinction);
-    float more = 1.0 - mean.albedo;
-    return mean.share.x * fx * (mean.albedo + fx * more) + mean.share.y * fy * (mean.albedo + fy * more);
+    return ggxCompensatedAlbedo(mean, fx, fy);
 }
 
 vec3 conductorThroughput(ConductorLobe l, vec3 wo) { return vec3(0.0); }

@@ -51,6 +51,7 @@ vec3 dielectricAlbedo(DielectricLobe l, vec3 wo)
     return l.tint * (rt.x + rt.y);
 }
 
-vec3 dielectricThroughput(DielectricLobe l, vec3 wo) { return vec3(1.0) - dielectricAlbedo(l, wo); }
+// Everything that is not reflected is this lobe's own refraction: nothing is left for a base.
+vec3 dielectricThroughput(DielectricLobe l, vec3 wo) { return vec3(0.0); }
 
 #endif

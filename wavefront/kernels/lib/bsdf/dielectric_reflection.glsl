@@ -45,7 +45,8 @@ float dielectricReflectionUntinted(DielectricReflectionLobe l, vec3 wo)
 {
     GgxMean mean = ggxMean(abs(wo.z), ggxMeanAlpha(l.alpha));
     vec2 f = vec2(fresnelDielectric(mean.cosine.x, l.ior), fresnelDielectric(mean.cosine.y, l.ior));
-    return dot(mean.share, f * (mean.albedo + f * (1.0 - mean.albedo)));
+    // Behind a critical angle (ior < 1) the two cosines say too little; what cannot refract is reflected.
+    return l.ior < 1.0 ? 1.0 - ggxInnerTransmission(abs(wo.z), ggxMeanAlpha(l.alpha), l.ior) : ggxCompensatedAlbedo(mean, f);
 }
 
 vec3 dielectricReflectionAlbedo(DielectricReflectionLobe l, vec3 wo) { return l.tint * dielectricReflectionUntinted(l, wo); }

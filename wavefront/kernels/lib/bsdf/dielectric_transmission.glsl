@@ -45,9 +45,7 @@ vec3 dielectricTransmissionAlbedo(DielectricTransmissionLobe l, vec3 wo)
     return l.tint * ggxDielectricAlbedo(abs(wo.z), ggxMeanAlpha(l.alpha), eta).y;
 }
 
-vec3 dielectricTransmissionThroughput(DielectricTransmissionLobe l, vec3 wo)
-{
-    return vec3(1.0) - dielectricTransmissionAlbedo(l, wo);
-}
+// A T lobe belongs below the R lobe of its interface; what it refracts is not there for a base.
+vec3 dielectricTransmissionThroughput(DielectricTransmissionLobe l, vec3 wo) { return vec3(0.0); }
 
 #endif

@@ -42,8 +42,7 @@ vec3 generalizedSchlickAlbedo(GeneralizedSchlickLobe l, vec3 wo)
     GgxMean mean = ggxMean(abs(wo.z), ggxMeanAlpha(l.alpha));
     vec3 fx = fresnelSchlick(mean.cosine.x, l.fresnel);
     vec3 fy = fresnelSchlick(mean.cosine.y, l.fresnel);
-    float more = 1.0 - mean.albedo;
-    return mean.share.x * fx * (mean.albedo + fx * more) + mean.share.y * fy * (mean.albedo + fy * more);
+    return ggxCompensatedAlbedo(mean, fx, fy);
 }
 
 vec3 generalizedSchlickThroughput(GeneralizedSchlickLobe l, vec3 wo)

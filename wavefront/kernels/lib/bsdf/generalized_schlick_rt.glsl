@@ -5,7 +5,6 @@
 // mean Fresnel term of the micro normal. No energy compensation, as in dielectric: R + T never exceeds 1.
 #ifndef WAVEFRONT_BSDF_GENERALIZED_SCHLICK_RT_GLSL
 #define WAVEFRONT_BSDF_GENERALIZED_SCHLICK_RT_GLSL
-#include "ggx_albedo.glsl"
 #include "schlick_interface.glsl"
 
 struct GeneralizedSchlickRtLobe {
@@ -21,8 +20,12 @@ GeneralizedSchlickRtLobe generalizedSchlickRtMake(vec3 color0, vec3 color82, vec
 }
 
 // Probability of reflection: both events keep a chance wherever some channel has them.
-float generalizedSchlickRtChoice(vec3 f) { return clamp(bsdfMean(f), min(0.05, max(f.x, max(f.y, f.z))),
-                                                        max(0.95, min(f.x, min(f.y, f.z)))); }
+float generalizedSchlickRtChoice(vec3 f)
+{
+    float low = min(0.05, max(f.x, max(f.y, f.z)));
+    float high = max(0.95, min(f.x, min(f.y, f.z)));
+    return clamp(bsdfMean(f), low, high);
+}
 
 vec4 generalizedSchlickRtEval(GeneralizedSchlickRtLobe l, vec3 wo, vec3 wi)
 {
@@ -51,15 +54,10 @@ vec3 generalizedSchlickRtSample(GeneralizedSchlickRtLobe l, vec3 wo, vec3 u)
 vec3 generalizedSchlickRtAlbedo(GeneralizedSchlickRtLobe l, vec3 wo)
 {
     float eta = wo.z < 0.0 ? 1.0 / l.ior : l.ior;
-    GgxMean mean = ggxMean(abs(wo.z), ggxMeanAlpha(l.alpha));
-    vec3 f = mean.share.x * fresnelSchlickInterface(mean.cosine.x, eta, l.fresnel) +
-             mean.share.y * fresnelSchlickInterface(mean.cosine.y, eta, l.fresnel);
-    return f * mean.albedo + (vec3(1.0) - f) * ggxTransmitted(abs(wo.z), ggxMeanAlpha(l.alpha), eta);
+    mat2x3 rt = schlickAlbedo(abs(wo.z), l.alpha, eta, l.fresnel);
+    return rt[0] + rt[1];
 }
 
-vec3 generalizedSchlickRtThroughput(GeneralizedSchlickRtLobe l, vec3 wo)
-{
-    return vec3(1.0 - bsdfMean(generalizedSchlickRtAlbedo(l, wo)));
-}
+vec3 generalizedSchlickRtThroughput(GeneralizedSchlickRtLobe l, vec3 wo) { return vec3(0.0); }
 
 #endif

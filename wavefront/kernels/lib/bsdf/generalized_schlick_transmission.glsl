@@ -4,7 +4,6 @@
 // MaterialX's generalized_schlick_bsdf, scatter_mode T: GGX refraction weighted by 1 - F. See dielectric_transmission.
 #ifndef WAVEFRONT_BSDF_GENERALIZED_SCHLICK_TRANSMISSION_GLSL
 #define WAVEFRONT_BSDF_GENERALIZED_SCHLICK_TRANSMISSION_GLSL
-#include "ggx_albedo.glsl"
 #include "schlick_interface.glsl"
 
 struct GeneralizedSchlickTransmissionLobe {
@@ -41,15 +40,9 @@ vec3 generalizedSchlickTransmissionSample(GeneralizedSchlickTransmissionLobe l, 
 vec3 generalizedSchlickTransmissionAlbedo(GeneralizedSchlickTransmissionLobe l, vec3 wo)
 {
     float eta = wo.z < 0.0 ? 1.0 / l.ior : l.ior;
-    GgxMean mean = ggxMean(abs(wo.z), ggxMeanAlpha(l.alpha));
-    vec3 f = mean.share.x * fresnelSchlickInterface(mean.cosine.x, eta, l.fresnel) +
-             mean.share.y * fresnelSchlickInterface(mean.cosine.y, eta, l.fresnel);
-    return (vec3(1.0) - f) * ggxTransmitted(abs(wo.z), ggxMeanAlpha(l.alpha), eta);
+    return schlickAlbedo(abs(wo.z), l.alpha, eta, l.fresnel)[1];
 }
 
-vec3 generalizedSchlickTransmissionThroughput(GeneralizedSchlickTransmissionLobe l, vec3 wo)
-{
-    return vec3(1.0 - bsdfMean(generalizedSchlickTransmissionAlbedo(l, wo)));
-}
+vec3 generalizedSchlickTransmissionThroughput(GeneralizedSchlickTransmissionLobe l, vec3 wo) { return vec3(0.0); }
 
 #endif

@@ -6,6 +6,7 @@
 #ifndef WAVEFRONT_BSDF_SCHLICK_INTERFACE_GLSL
 #define WAVEFRONT_BSDF_SCHLICK_INTERFACE_GLSL
 #include "fresnel.glsl"
+#include "ggx_albedo.glsl"
 #include "microfacet.glsl"
 
 float schlickIndex(SchlickFresnel s)
@@ -20,6 +21,17 @@ vec3 fresnelSchlickInterface(float cosI, float eta, SchlickFresnel s)
     float cosT2 = 1.0 - (1.0 - cosI * cosI) / (eta * eta);
     vec3 f = fresnelSchlick(eta < 1.0 ? sqrt(max(cosT2, 0.0)) : cosI, s);
     return cosT2 > 0.0 ? f : vec3(1.0);
+}
+
+// (reflection, refraction), uncompensated; as rough as ggxDielectricAlbedo.
+mat2x3 schlickAlbedo(float cosO, vec2 alpha, float eta, SchlickFresnel s)
+{
+    float a = ggxMeanAlpha(alpha);
+    GgxMean mean = ggxMean(cosO, a);
+    vec3 f = mean.share.x * fresnelSchlickInterface(mean.cosine.x, eta, s) +
+             mean.share.y * fresnelSchlickInterface(mean.cosine.y, eta, s);
+    float pass = eta > 1.0 ? ggxRefractedShare(cosO, a, eta) : mean.albedo;
+    return mat2x3(f * mean.albedo, (vec3(1.0) - f) * pass);
 }
 
 #endif

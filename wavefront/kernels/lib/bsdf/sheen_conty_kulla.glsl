@@ -46,9 +46,10 @@ vec3 sheenContyKullaAlbedo(SheenContyKullaLobe l, vec3 wo)
     return l.color * sheenContyKullaReflectance(min(abs(wo.z), 1.0), l.roughness);
 }
 
+// The fit's error is taken off, so that sheen over a white base never gains energy by it.
 vec3 sheenContyKullaThroughput(SheenContyKullaLobe l, vec3 wo)
 {
-    return vec3(1.0 - min(sheenContyKullaReflectance(min(abs(wo.z), 1.0), l.roughness), 1.0));
+    return vec3(max(0.995 - sheenContyKullaReflectance(min(abs(wo.z), 1.0), l.roughness), 0.0));
 }
 
 #endif
