@@ -46,7 +46,7 @@ struct RenderPassUpdate {
   std::optional<uint32_t> width, height;
   std::optional<double> pixelAspectRatio;
   std::optional<ConformPolicy> windowPolicy;          // default Fit (UsdRender's expandAperture)
-  std::optional<std::vector<std::string>> renderTags; // default: geometry, render and proxy;
+  std::optional<std::vector<std::string>> renderTags; // default: geometry and render;
                                                       // "" counts as "geometry"
   std::optional<std::vector<wavefront::Aov>> aovs;    // Color is always there
 };

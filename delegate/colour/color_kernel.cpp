@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the hdWavefront authors
+#include "delegate/colour/color_kernel.h"
+
+#include <algorithm>
+#include <regex>
+
+#include "materialgen/materialgen.h"
+
+namespace delegate {
+namespace {
+
+// Pixels that one call transforms: 64 MiB, half of the smallest storage-buffer range that Vulkan devices we know offer.
+constexpr uint64_t kBandPixels = (64u << 20) / 16;
+
+bool IsIdentifier(const std::string& name) {
+  static const std::regex identifier("[A-Za-z_][A-Za-z0-9_]*");
+  return std::regex_match(name, identifier);
+}
+
+}  // namespace
+
+std::string ColorKernelSource(const ColorShader& shader) {
+  return "#version 460\n"
+         "layout(local_size_x = 64) in;\n"
+         "layout(set = 0, binding = 0, std430) buffer Pixels { vec4 pixels[]; };\n"
+         "layout(push_constant) uniform Size { uvec2 imageSize; };\n" +
+         shader.glsl +
+         "\nvoid main() {\n"
+         "  if (gl_GlobalInvocationID.x >= imageSize.x || gl_GlobalInvocationID.y >= imageSize.y) return;\n"
+         "  uint index = gl_GlobalInvocationID.y * imageSize.x + gl_GlobalInvocationID.x;\n"
+         "  pixels[index] = " +
+         shader.function +
+         "(pixels[index]);\n"
+         "}\n";
+}
+
+std::optional<uint32_t> FindSamplerBinding(const std::string& glsl, const std::string& sampler) {
+  if (!IsIdentifier(sampler)) return std::nullopt;
+  // layout(set=0, binding = 1) uniform sampler1D name;
+  // Only the few characters of one declaration meet the regular expression: std::regex recurses by length.
+  constexpr size_t kLongestDeclaration = 200;
+  const std::regex declaration("layout *\\(([^)]*)\\) *uniform +sampler[123]D +" + sampler + " *;");
+  static const std::regex binding("binding *= *([0-9]{1,6})");
+  for (size_t at = glsl.find("layout"); at != std::string::npos; at = glsl.find("layout", at + 1)) {
+    const std::string text = glsl.substr(at, std::min(glsl.find(';', at) - at + 1, kLongestDeclaration + sampler.size()));
+    std::smatch found, number;
+    if (!std::regex_search(text, found, declaration, std::regex_constants::match_continuous)) continue;
+    const std::string qualifiers = found[1];
+    if (!std::regex_search(qualifiers, number, binding)) return std::nullopt;
+    return static_cast<uint32_t>(std::stoul(number[1]));
+  }
+  return std::nullopt;
+}
+
+wavefront::Status RunColorShader(wavefront::Renderer& renderer, const ColorShader& shader, std::span<float> rgba,
+                                 uint32_t width, uint32_t height) {
+  if (width == 0 || height == 0 || rgba.size() != size_t{width} * height * 4)
+    return wavefront::Error{"The pixels do not fit the image size."};
+  if (!IsIdentifier(shader.function))
+    return wavefront::Error{"\"" + shader.function + "\" cannot be the name of a function."};
+  std::vector<wavefront::Renderer::ColorLut> luts = shader.luts;
+  for (auto& lut : luts) {
+    const auto binding = FindSamplerBinding(shader.glsl, lut.sampler);
+    if (!binding || *binding == 0)
+      return wavefront::Error{"The colour shader declares no sampler \"" + lut.sampler + "\" with a binding above 0."};
+    lut.binding = *binding;
+    const uint64_t texels = uint64_t{lut.width} * lut.height * lut.depth;
+    if (lut.dimension < 1 || lut.dimension > 3 || texels == 0 || lut.values.size() != texels * lut.components)
+      return wavefront::Error{"The colour table \"" + lut.sampler + "\" does not fit its size."};
+  }
+  std::string error;
+  const std::vector<uint32_t> spirv = materialgen::CompileGlsl(ColorKernelSource(shader), "colour transform", &error);
+  if (spirv.empty()) return wavefront::Error{"The colour shader does not compile: " + error};
+  const auto rows = static_cast<uint32_t>(std::clamp<uint64_t>(kBandPixels / width, 1, height));
+  for (uint32_t row = 0; row < height; row += rows) {
+    const uint32_t count = std::min(rows, height - row);
+    const auto status = renderer.RunColorKernel(
+        spirv, luts, rgba.subspan(size_t{row} * width * 4, size_t{count} * width * 4), width, count);
+    if (!status) return status;
+  }
+  return {};
+}
+
+}  // namespace delegate

@@ -1,0 +1,260 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the hdWavefront authors
+#include "delegate/material_store.h"
+
+#include <algorithm>
+#include <bit>
+#include <chrono>
+#include <set>
+
+#include "delegate/prims/same.h"
+#include "wavefront/base/parallel.h"
+
+namespace delegate {
+namespace {
+
+double Since(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+}
+
+wavefront::Severity Translate(materialgen::Severity severity) {
+  switch (severity) {
+    case materialgen::Severity::Info: return wavefront::Severity::Info;
+    case materialgen::Severity::Warning: return wavefront::Severity::Warning;
+    case materialgen::Severity::Error: return wavefront::Severity::Error;
+  }
+  return wavefront::Severity::Error;
+}
+
+TextureKey KeyOf(const materialgen::TextureRequest& request) {
+  TextureKey key;
+  key.resolvedPath = request.file.resolvedPath;
+  if (key.resolvedPath.empty()) key.authoredPath = request.file.authoredPath;
+  // What the node says comes first; "auto" leaves it to the asset, and then to the file.
+  key.colorSpace = request.sourceColorSpace;
+  if ((key.colorSpace.empty() || key.colorSpace == "auto") && !request.file.colorSpace.empty())
+    key.colorSpace = request.file.colorSpace;
+  key.isColor = request.isColor;
+  return key;
+}
+
+}  // namespace
+
+MaterialStore::MaterialStore(wavefront::Renderer& renderer, materialgen::Generator& generator, TextureTable& textures,
+                             wavefront::DiagnosticSink sink, unsigned threads)
+    : renderer_(renderer), generator_(generator), textures_(textures), sink_(std::move(sink)), threads_(threads) {}
+
+MaterialStore::Material& MaterialStore::FindOrCreate(const std::string& path) {
+  std::lock_guard lock(mutex_);
+  auto& material = materials_[path];
+  if (!material) {
+    material = std::make_unique<Material>();
+    material->path = path;
+  }
+  return *material;
+}
+
+void MaterialStore::Create(const std::string& path) { FindOrCreate(path); }
+
+void MaterialStore::Sync(const std::string& path, MaterialUpdate update) {
+  Material& material = FindOrCreate(path);
+  if (Same(material.update, update)) return;
+  material.update = std::move(update);
+  material.dirty = true;
+}
+
+void MaterialStore::Destroy(const std::string& path) {
+  std::lock_guard lock(mutex_);
+  const auto found = materials_.find(path);
+  if (found == materials_.end()) return;
+  removed_.push_back(std::move(found->second));
+  materials_.erase(found);
+}
+
+void MaterialStore::ReleaseTextures(Material& material) {
+  for (uint32_t key : material.textureKeys) textures_.Release(key);
+  material.textureKeys.clear();
+}
+
+void MaterialStore::Generate() {
+  std::vector<Material*> dirty;
+  for (auto& [path, material] : materials_)
+    if (material->dirty) dirty.push_back(material.get());
+  if (dirty.empty()) return;
+  const materialgen::MessageSink messages = [this](const materialgen::Message& m) {
+    sink_({Translate(m.severity), m.code, m.location, m.text});
+  };
+  wavefront::ParallelFor(dirty.size(), threads_, [&](size_t i) {
+    Material& material = *dirty[i];
+    const auto start = std::chrono::steady_clock::now();
+    const materialgen::MaterialNetwork* network = ChooseNetwork(material.path, material.update, generator_, sink_);
+    material.hasNetwork = network != nullptr;
+    material.compiled = network ? generator_.Generate(*network, messages) : materialgen::CompiledMaterial();
+    material.generateMilliseconds = Since(start);
+  });
+  for (Material* material : dirty) {  // in order of path
+    material->dirty = false;
+    if (material->hasNetwork) ++generated_;
+    // The new images are taken before the old ones are let go: what both use stays loaded.
+    std::vector<uint32_t> keys;
+    for (const materialgen::TextureRequest& request : material->compiled.textures)
+      keys.push_back(textures_.Acquire(KeyOf(request), request.file.authoredPath,
+                                       request.node.empty() ? material->path : request.node));
+    ReleaseTextures(*material);
+    material->textureKeys = std::move(keys);
+    material->stale = true;
+  }
+}
+
+void MaterialStore::CompileKernels() {
+  struct Job {
+    const std::string* source;
+    std::string name;
+    std::vector<uint32_t> spirv;
+    std::string error;
+    double milliseconds = 0;
+  };
+  struct NewKernel {
+    Kernel* kernel;
+    Job jobs[3];
+  };
+  std::vector<std::unique_ptr<NewKernel>> fresh;
+  std::vector<Job*> jobs;
+  const auto add = [&](const materialgen::CompiledMaterial& compiled, double generateMilliseconds) {
+    if (!compiled.kernel) return;
+    const materialgen::KernelSource& source = *compiled.kernel;
+    auto [known, isNew] = kernels_.try_emplace(source.key);
+    if (!isNew) return;
+    known->second.source = compiled.kernel;
+    known->second.generateMilliseconds = generateMilliseconds;
+    auto& entry = fresh.emplace_back(std::make_unique<NewKernel>());
+    entry->kernel = &known->second;
+    const std::pair<const std::string*, const char*> entries[3] = {
+        {&source.surface, "surface"}, {&source.opacity, "opacity"}, {&source.emission, "emission"}};
+    for (int i = 0; i < 3; ++i) {
+      entry->jobs[i].source = entries[i].first;
+      entry->jobs[i].name = source.key + "." + entries[i].second;
+      if (!entries[i].first->empty()) jobs.push_back(&entry->jobs[i]);
+    }
+  };
+  if (!hasDefault_) {
+    const auto start = std::chrono::steady_clock::now();
+    default_.compiled = generator_.GenerateDefault();
+    add(default_.compiled, Since(start));
+  }
+  for (auto& [path, material] : materials_) add(material->compiled, material->generateMilliseconds);
+
+  wavefront::ParallelFor(jobs.size(), threads_, [&](size_t i) {
+    const auto start = std::chrono::steady_clock::now();
+    jobs[i]->spirv = materialgen::CompileGlsl(*jobs[i]->source, jobs[i]->name, &jobs[i]->error);
+    jobs[i]->milliseconds = Since(start);
+  });
+  for (auto& entry : fresh) {
+    Kernel& kernel = *entry->kernel;
+    for (const Job& job : entry->jobs) {
+      kernel.compileMilliseconds += job.milliseconds;
+      if (!job.source->empty() && job.spirv.empty()) {
+        kernel.failed = true;
+        sink_({wavefront::Severity::Error, "material-kernel-failed", job.name,
+               "A generated material kernel does not compile; its materials show the default. " + job.error});
+      }
+    }
+    if (kernel.failed) continue;
+    ++compiled_;
+    wavefront::MaterialKernelData data;
+    data.key = kernel.source->key;
+    data.surfaceSpirv = std::move(entry->jobs[0].spirv);
+    data.opacitySpirv = std::move(entry->jobs[1].spirv);
+    data.emissionSpirv = std::move(entry->jobs[2].spirv);
+    data.primvars = kernel.source->primvars;
+    renderer_.RegisterKernel(std::move(data));
+  }
+}
+
+void MaterialStore::Upload(Material& material) {
+  const materialgen::CompiledMaterial& compiled = material.compiled;
+  material.stale = false;
+  const bool usable = compiled.kernel && !kernels_.at(compiled.kernel->key).failed;
+  if (!usable) {
+    if (material.id != wavefront::kInvalidId) {
+      garbage_.push_back(material.id);
+      material.id = wavefront::kInvalidId;
+      ++idVersion_;
+    }
+    material.data = {};
+    return;
+  }
+  wavefront::MaterialData data;
+  data.path = material.path;
+  data.kernelKey = compiled.kernel->key;
+  std::vector<float> values = compiled.parameters;
+  values.resize((values.size() + 3) / 4 * 4, 0.0f);
+  for (size_t i = 0; i < compiled.textures.size(); ++i)
+    if (compiled.textures[i].offset < values.size())
+      values[compiled.textures[i].offset] = std::bit_cast<float>(textures_.Id(material.textureKeys[i]));
+  for (size_t i = 0; i < values.size(); i += 4)
+    data.parameters.push_back({values[i], values[i + 1], values[i + 2], values[i + 3]});
+  if (material.id != wavefront::kInvalidId && Same(data, material.data)) return;
+  material.data = data;
+  ++uploaded_;
+  if (material.id != wavefront::kInvalidId) {
+    renderer_.SetMaterial(material.id, std::move(data));
+  } else {
+    material.id = renderer_.CreateMaterial(std::move(data));
+    ++idVersion_;
+  }
+}
+
+void MaterialStore::MakeDefault() {
+  if (hasDefault_) return;
+  hasDefault_ = true;
+  Upload(default_);
+  if (default_.id != wavefront::kInvalidId) renderer_.SetDefaultMaterial(default_.id);
+}
+
+void MaterialStore::Commit() {
+  Generate();
+  CompileKernels();
+  MakeDefault();
+  const uint64_t textureVersion = textures_.version();
+  const bool texturesChanged = textureVersion != textureVersion_;
+  textureVersion_ = textureVersion;
+  for (auto& [path, material] : materials_)
+    if (material->stale || (texturesChanged && !material->textureKeys.empty())) Upload(*material);
+  for (auto& material : removed_) {
+    ReleaseTextures(*material);
+    if (material->id != wavefront::kInvalidId) garbage_.push_back(material->id);
+    ++idVersion_;
+  }
+  removed_.clear();
+}
+
+void MaterialStore::Collect() {
+  for (wavefront::MaterialId id : garbage_) renderer_.DestroyMaterial(id);
+  garbage_.clear();
+}
+
+wavefront::MaterialId MaterialStore::Id(const std::string& path, const std::string& user) {
+  if (path.empty()) return wavefront::kInvalidId;
+  const auto found = materials_.find(path);
+  if (found != materials_.end()) return found->second->id;
+  sink_({wavefront::Severity::Warning, "material-missing", user,
+         "The material " + path + " does not exist; the default material is shown."});
+  return wavefront::kInvalidId;
+}
+
+std::vector<std::string> MaterialStore::MaterialsOf(const std::string& kernelKey) const {
+  std::vector<std::string> paths;
+  std::lock_guard lock(mutex_);
+  for (const auto& [path, material] : materials_)
+    if (material->compiled.kernel && material->compiled.kernel->key == kernelKey) paths.push_back(path);
+  return paths;
+}
+
+std::shared_ptr<const materialgen::KernelSource> MaterialStore::SourceOf(const std::string& path) const {
+  std::lock_guard lock(mutex_);
+  const auto found = materials_.find(path);
+  return found == materials_.end() ? nullptr : found->second->compiled.kernel;
+}
+
+}  // namespace delegate

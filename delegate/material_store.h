@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the hdWavefront authors
+// All materials of a delegate: networks in, kernels and parameter blocks out. Internal to delegate.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "delegate/prims/material.h"
+#include "delegate/textures.h"
+#include "wavefront/renderer.h"
+
+namespace delegate {
+
+// Sync from any thread; the rest from one.
+class MaterialStore {
+ public:
+  MaterialStore(wavefront::Renderer& renderer, materialgen::Generator& generator, TextureTable& textures,
+                wavefront::DiagnosticSink sink, unsigned threads);
+
+  void Create(const std::string& path);
+  void Sync(const std::string& path, MaterialUpdate update);
+  void Destroy(const std::string& path);
+
+  // Networks of dirty materials become kernels' sources and values, in parallel; their textures are asked for.
+  void Generate();
+  // Compiles kernels not seen before, in parallel; creates and updates materials in the core. Ids of materials that are
+  // gone stay valid until Collect.
+  void Commit();
+  void Collect();
+
+  // kInvalidId: there is no such material (told once), or it shows the default.
+  wavefront::MaterialId Id(const std::string& path, const std::string& user);
+  uint64_t idVersion() const { return idVersion_; }  // grows when a path's id changes
+  uint64_t generated() const { return generated_; }
+  uint64_t uploaded() const { return uploaded_; }
+  uint64_t compiled() const { return compiled_; }
+
+  struct Kernel {
+    std::shared_ptr<const materialgen::KernelSource> source;
+    bool failed = false;
+    double generateMilliseconds = 0, compileMilliseconds = 0;
+  };
+  const std::map<std::string, Kernel>& kernels() const { return kernels_; }
+  std::vector<std::string> MaterialsOf(const std::string& kernelKey) const;
+  std::shared_ptr<const materialgen::KernelSource> SourceOf(const std::string& path) const;
+
+ private:
+  struct Material {
+    std::string path;
+    MaterialUpdate update;
+    bool dirty = true;               // the network changed
+    bool stale = false;              // compiled changed, the core has not seen it
+    bool hasNetwork = false;
+    double generateMilliseconds = 0;
+    materialgen::CompiledMaterial compiled;
+    std::vector<uint32_t> textureKeys;  // by compiled.textures
+    wavefront::MaterialData data;       // as the core has it
+    wavefront::MaterialId id = wavefront::kInvalidId;
+  };
+  Material& FindOrCreate(const std::string& path);
+  void ReleaseTextures(Material& material);
+  void CompileKernels();
+  void Upload(Material& material);
+  void MakeDefault();
+
+  wavefront::Renderer& renderer_;
+  materialgen::Generator& generator_;
+  TextureTable& textures_;
+  wavefront::DiagnosticSink sink_;
+  unsigned threads_;
+  mutable std::mutex mutex_;  // of the map; a material itself belongs to the thread that syncs it
+  std::map<std::string, std::unique_ptr<Material>> materials_;
+  std::vector<std::unique_ptr<Material>> removed_;
+  std::vector<wavefront::MaterialId> garbage_;
+  std::map<std::string, Kernel> kernels_;
+  bool hasDefault_ = false;
+  Material default_;
+  uint64_t textureVersion_ = 0, idVersion_ = 1, generated_ = 0, uploaded_ = 0, compiled_ = 0;
+};
+
+}  // namespace delegate

@@ -1,0 +1,307 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the hdWavefront authors
+#include "delegate/render_delegate.h"
+
+#include <algorithm>
+#include <set>
+
+#include "delegate/gprim_store.h"
+#include "delegate/instancer_store.h"
+#include "delegate/light_store.h"
+#include "delegate/material_store.h"
+#include "delegate/prims/same.h"
+
+namespace delegate {
+namespace {
+
+constexpr uint32_t kMaxImageSide = 65536;
+
+bool Contains(const std::vector<std::string>& list, const std::string& value) {
+  return std::find(list.begin(), list.end(), value) != list.end();
+}
+
+wavefront::Error UnsupportedType(const std::string& type, const std::string& path) {
+  return {"Prims of type \"" + type + "\" are not supported (" + path + ")."};
+}
+
+}  // namespace
+
+struct RenderDelegate::Impl {
+  Impl(wavefront::Renderer& renderer, std::unique_ptr<materialgen::Generator> materialGenerator,
+       wavefront::DiagnosticSink diagnosticSink, unsigned threads)
+      : sink(std::move(diagnosticSink)),
+        generator(std::move(materialGenerator)),
+        textures(renderer, sink),
+        instancers(sink, threads),
+        materials(renderer, *generator, textures, sink, threads),
+        gprims(renderer, instancers, materials, sink, threads),
+        lights(renderer, instancers, textures, sink, threads) {}
+
+  struct Camera {
+    CameraParams params;
+    TimeSamples<wavefront::Matrix4d> transforms{{0, {}}};
+  };
+
+  wavefront::DiagnosticSink sink;
+  std::unique_ptr<materialgen::Generator> generator;
+  TextureTable textures;
+  InstancerStore instancers;
+  MaterialStore materials;
+  GprimStore gprims;
+  LightStore lights;
+
+  mutable std::mutex mutex;  // of all below
+  std::map<std::string, Camera> cameras;
+  SettingValues settings;
+  uint32_t settingsVersion = 1;
+  std::string camera;
+  uint32_t width = 0, height = 0;
+  double pixelAspectRatio = 1;
+  ConformPolicy windowPolicy = ConformPolicy::Fit;
+  std::set<std::string> renderTags{"geometry", "render"};
+  std::vector<wavefront::Aov> aovs{wavefront::Aov::Color};
+  std::optional<wavefront::CameraData> sentCamera;
+  std::optional<wavefront::RenderSettings> sentSettings;
+  DelegateCounters counters;
+};
+
+wavefront::Result<std::unique_ptr<RenderDelegate>> RenderDelegate::Create(const RenderDelegateOptions& options) {
+  auto log = std::make_shared<DiagnosticLog>();
+  std::string generatorTrouble;
+  auto generator = materialgen::Generator::Create(options.materialxLibraries, [&](const materialgen::Message& message) {
+    if (generatorTrouble.empty()) generatorTrouble = message.text;
+  });
+  if (!generator)
+    return wavefront::Error{"MaterialX's libraries cannot be read from \"" + options.materialxLibraries + "\"" +
+                            (generatorTrouble.empty() ? "." : ": " + generatorTrouble)};
+  wavefront::RendererOptions rendererOptions;
+  rendererOptions.device = options.device;
+  rendererOptions.validation = options.validation;
+  rendererOptions.memoryBudget = options.memoryBudget;
+  rendererOptions.threads = options.threads;
+  // The log is kept alive by the sink: the renderer may report to its last breath.
+  rendererOptions.diagnostics = [log](const wavefront::Diagnostic& diagnostic) { log->Add(diagnostic); };
+  auto renderer = wavefront::Renderer::Create(rendererOptions);
+  if (!renderer) return renderer.error();
+  return std::make_unique<RenderDelegate>(std::move(renderer).value(), std::move(generator), log, options.threads);
+}
+
+RenderDelegate::RenderDelegate(std::unique_ptr<wavefront::Renderer> renderer,
+                               std::unique_ptr<materialgen::Generator> generator, std::shared_ptr<DiagnosticLog> log,
+                               uint32_t threads)
+    : log_(std::move(log)),
+      renderer_(std::move(renderer)),
+      impl_(std::make_unique<Impl>(*renderer_, std::move(generator), log_->Sink(), threads)) {}
+
+RenderDelegate::~RenderDelegate() { renderer_->Stop(); }
+
+const std::vector<std::string>& RenderDelegate::SupportedRprimTypes() {
+  static const std::vector<std::string> types{"mesh", "sphere", "cube", "cone", "cylinder", "capsule", "plane"};
+  return types;
+}
+
+const std::vector<std::string>& RenderDelegate::SupportedSprimTypes() {
+  static const std::vector<std::string> types{"camera",      "material",      "rectLight",    "diskLight",
+                                              "sphereLight", "cylinderLight", "distantLight", "domeLight"};
+  return types;
+}
+
+wavefront::Status RenderDelegate::CreateRprim(const std::string& type, const std::string& path) {
+  if (!Contains(SupportedRprimTypes(), type)) return UnsupportedType(type, path);
+  impl_->gprims.Create(path, type == "mesh");
+  return {};
+}
+
+wavefront::Status RenderDelegate::CreateSprim(const std::string& type, const std::string& path) {
+  if (!Contains(SupportedSprimTypes(), type)) return UnsupportedType(type, path);
+  if (type == "camera") {
+    std::lock_guard lock(impl_->mutex);
+    impl_->cameras.try_emplace(path);
+  } else if (type == "material") {
+    impl_->materials.Create(path);
+  } else {
+    std::string schema = type;
+    schema[0] = static_cast<char>(schema[0] - 'a' + 'A');  // UsdLux's name
+    impl_->lights.Create(path, schema);
+  }
+  return {};
+}
+
+void RenderDelegate::CreateInstancer(const std::string& path) { impl_->instancers.Create(path); }
+
+void RenderDelegate::Sync(const std::string& path, MeshUpdate update) { impl_->gprims.Sync(path, std::move(update)); }
+void RenderDelegate::Sync(const std::string& path, ImplicitUpdate update) {
+  impl_->gprims.Sync(path, std::move(update));
+}
+void RenderDelegate::Sync(const std::string& path, InstancerUpdate update) {
+  impl_->instancers.Sync(path, std::move(update));
+}
+void RenderDelegate::Sync(const std::string& path, LightUpdate update) { impl_->lights.Sync(path, std::move(update)); }
+void RenderDelegate::Sync(const std::string& path, MaterialUpdate update) {
+  impl_->materials.Sync(path, std::move(update));
+}
+
+void RenderDelegate::Sync(const std::string& path, CameraUpdate update) {
+  std::lock_guard lock(impl_->mutex);
+  Impl::Camera& camera = impl_->cameras[path];
+  if (update.params) camera.params = *update.params;
+  if (update.transforms && !update.transforms->empty()) camera.transforms = std::move(*update.transforms);
+}
+
+void RenderDelegate::DestroyRprim(const std::string& path) { impl_->gprims.Destroy(path); }
+
+void RenderDelegate::DestroySprim(const std::string& path) {
+  impl_->lights.Destroy(path);
+  impl_->materials.Destroy(path);
+  std::lock_guard lock(impl_->mutex);
+  impl_->cameras.erase(path);
+}
+
+void RenderDelegate::DestroyInstancer(const std::string& path) { impl_->instancers.Destroy(path); }
+
+std::vector<TextureLoadRequest> RenderDelegate::PendingTextures() {
+  impl_->materials.Generate();
+  impl_->lights.AcquireTextures();
+  return impl_->textures.Pending();
+}
+
+wavefront::Status RenderDelegate::SetTexture(uint32_t key, wavefront::TextureData data) {
+  return impl_->textures.Set(key, std::move(data));
+}
+
+wavefront::Status RenderDelegate::SetTextureMissing(uint32_t key, const std::string& reason) {
+  return impl_->textures.SetMissing(key, reason);
+}
+
+wavefront::Status RenderDelegate::SetRenderPass(const RenderPassUpdate& update) {
+  for (const auto& side : {update.width, update.height})
+    if (side && (*side == 0 || *side > kMaxImageSide))
+      return wavefront::Error{"An image must be 1 to " + std::to_string(kMaxImageSide) + " pixels wide and high, not " +
+                              std::to_string(update.width.value_or(0)) + " x " +
+                              std::to_string(update.height.value_or(0)) + "."};
+  if (update.pixelAspectRatio && !(*update.pixelAspectRatio > 1e-6 && *update.pixelAspectRatio < 1e6))
+    return wavefront::Error{"The pixel aspect ratio " + std::to_string(*update.pixelAspectRatio) + " makes no sense."};
+  std::lock_guard lock(impl_->mutex);
+  if (update.camera) impl_->camera = *update.camera;
+  if (update.width) impl_->width = *update.width;
+  if (update.height) impl_->height = *update.height;
+  if (update.pixelAspectRatio) impl_->pixelAspectRatio = *update.pixelAspectRatio;
+  if (update.windowPolicy) impl_->windowPolicy = *update.windowPolicy;
+  if (update.renderTags) {
+    impl_->renderTags.clear();
+    for (const std::string& tag : *update.renderTags) impl_->renderTags.insert(tag.empty() ? "geometry" : tag);
+  }
+  if (update.aovs) {
+    std::set<wavefront::Aov> wanted(update.aovs->begin(), update.aovs->end());
+    wanted.insert(wavefront::Aov::Color);
+    impl_->aovs.assign(wanted.begin(), wanted.end());
+  }
+  return {};
+}
+
+wavefront::Result<bool> RenderDelegate::SetRenderSetting(const std::string& token, const SettingValue& value) {
+  std::lock_guard lock(impl_->mutex);
+  auto changed = impl_->settings.Set(token, value);
+  if (changed && changed.value()) ++impl_->settingsVersion;
+  return changed;
+}
+
+wavefront::Result<SettingValue> RenderDelegate::GetRenderSetting(const std::string& token) const {
+  std::lock_guard lock(impl_->mutex);
+  return impl_->settings.Get(token);
+}
+
+uint32_t RenderDelegate::GetRenderSettingsVersion() const {
+  std::lock_guard lock(impl_->mutex);
+  return impl_->settingsVersion;
+}
+
+wavefront::Status RenderDelegate::CommitResources() {
+  Impl& impl = *impl_;
+  GprimStore::What what;
+  bool sceneLights;
+  {
+    std::lock_guard lock(impl.mutex);
+    if (impl.width == 0 || impl.height == 0) return wavefront::Error{"No image size is set."};
+    const auto camera = impl.cameras.find(impl.camera);
+    if (camera == impl.cameras.end())
+      return wavefront::Error{impl.camera.empty() ? "No camera is set."
+                                                  : "The camera \"" + impl.camera + "\" does not exist."};
+    const double aspect = double{1} * impl.width / impl.height * impl.pixelAspectRatio;
+    const wavefront::CameraData data = ConvertCamera(camera->first, camera->second.params, camera->second.transforms,
+                                                     aspect, impl.windowPolicy, impl.sink);
+    if (!impl.sentCamera || !Same(*impl.sentCamera, data)) {
+      renderer_->SetCamera(data);
+      impl.sentCamera = data;
+      ++impl.counters.camerasUploaded;
+    }
+    wavefront::RenderSettings settings;
+    impl.settings.FillInto(settings);
+    settings.width = impl.width;
+    settings.height = impl.height;
+    settings.aovs = impl.aovs;
+    if (!impl.sentSettings || !Same(*impl.sentSettings, settings)) {
+      renderer_->SetRenderSettings(settings);
+      impl.sentSettings = settings;
+    }
+    what.renderTags = impl.renderTags;
+    what.sceneMaterials = impl.settings.Bool("enableSceneMaterials");
+    sceneLights = impl.settings.Bool("enableSceneLights");
+  }
+  impl.materials.Commit();
+  impl.gprims.Commit(what);
+  impl.lights.Commit(sceneLights);
+  impl.instancers.Forget();
+  impl.materials.Collect();  // nothing refers to them any more
+  impl.textures.Collect();
+  const wavefront::Status status = renderer_->Commit();
+  std::lock_guard lock(impl.mutex);
+  DelegateCounters& c = impl.counters;
+  c.meshesBuilt = impl.gprims.built();
+  c.meshesUploaded = impl.gprims.meshesUploaded();
+  c.instancesUploaded = impl.gprims.instancesUploaded();
+  c.lightsUploaded = impl.lights.uploaded();
+  c.materialsGenerated = impl.materials.generated();
+  c.materialsUploaded = impl.materials.uploaded();
+  c.kernelsCompiled = impl.materials.compiled();
+  c.texturesUploaded = impl.textures.uploads();
+  ++c.commits;
+  return status;
+}
+
+DelegateCounters RenderDelegate::counters() const {
+  std::lock_guard lock(impl_->mutex);
+  return impl_->counters;
+}
+
+CameraMatrices RenderDelegate::cameraMatrices() const {
+  std::lock_guard lock(impl_->mutex);
+  return impl_->sentCamera ? MatricesOf(*impl_->sentCamera) : CameraMatrices();
+}
+
+std::vector<RenderDelegate::KernelUse> RenderDelegate::kernelUses() const {
+  std::vector<KernelUse> uses;
+  for (const auto& [key, kernel] : impl_->materials.kernels()) {
+    KernelUse use;
+    use.key = key;
+    use.lobes = kernel.source->lobes;
+    use.primvars = kernel.source->primvars;
+    use.materials = impl_->materials.MaterialsOf(key);
+    use.generateMilliseconds = kernel.generateMilliseconds;
+    use.compileMilliseconds = kernel.compileMilliseconds;
+    uses.push_back(std::move(use));
+  }
+  return uses;
+}
+
+std::vector<std::pair<std::string, std::string>> RenderDelegate::MaterialSource(const std::string& path) const {
+  std::vector<std::pair<std::string, std::string>> sources;
+  if (const auto source = impl_->materials.SourceOf(path)) {
+    sources.emplace_back("surface", source->surface);
+    if (!source->opacity.empty()) sources.emplace_back("opacity", source->opacity);
+    if (!source->emission.empty()) sources.emplace_back("emission", source->emission);
+  }
+  return sources;
+}
+
+}  // namespace delegate
