@@ -3,6 +3,8 @@
 #include "wavefront/vulkan/image.h"
 
 #include <algorithm>
+#include <utility>
+#include <vector>
 
 #include "wavefront/vulkan/context.h"
 #include "wavefront/vulkan/formats.h"
@@ -127,39 +129,62 @@ Status Image::Build() {
       false);
 }
 
-Status Image::UploadRegion(const ImageRegion& region, std::span<const std::byte> data) {
-  const uint64_t bytes = RegionBytes(region, desc_.format);
-  if (bytes > Transfer::kChunkBytes) {
-    const auto [first, second] = Split(region, desc_.format);
-    if (Status done = UploadRegion(first, data); !done) return done;
-    return UploadRegion(second, data);
+Status Image::SubmitRegions(std::span<const ImageRegion> regions, std::span<const std::byte> data) {
+  std::vector<Transfer::Piece> pieces;
+  std::vector<VkBufferImageCopy> copies;
+  VkDeviceSize offset = 0;
+  for (const ImageRegion& region : regions) {
+    VkBufferImageCopy copy{};
+    copy.bufferOffset = offset;
+    copy.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, region.layer, 1};
+    copy.imageOffset = {static_cast<int32_t>(region.x), static_cast<int32_t>(region.y), static_cast<int32_t>(region.z)};
+    copy.imageExtent = {region.width, region.height, region.depth};
+    copies.push_back(copy);
+    pieces.push_back(data.subspan(region.dataOffset, RegionBytes(region, desc_.format)));
+    offset += pieces.back().size();
   }
   return context_->transfer().Run(
-      data.subspan(region.dataOffset, bytes),
+      pieces,
       [&](VkCommandBuffer commands, VkBuffer staging) {
-        VkBufferImageCopy copy{};
-        copy.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, region.layer, 1};
-        copy.imageOffset = {static_cast<int32_t>(region.x), static_cast<int32_t>(region.y), static_cast<int32_t>(region.z)};
-        copy.imageExtent = {region.width, region.height, region.depth};
-        context_->vk.vkCmdCopyBufferToImage(commands, staging, image_, VK_IMAGE_LAYOUT_GENERAL, 1, &copy);
+        context_->vk.vkCmdCopyBufferToImage(commands, staging, image_, VK_IMAGE_LAYOUT_GENERAL,
+                                            static_cast<uint32_t>(copies.size()), copies.data());
       },
       false);
 }
 
+// As many regions to a submission as a staging chunk takes; a region too big for one goes in halves.
 Status Image::Upload(std::span<const ImageRegion> regions, std::span<const std::byte> data) {
+  std::vector<ImageRegion> waiting(regions.rbegin(), regions.rend()), batch;
   for (const ImageRegion& region : regions) {
     const auto inside = [](uint32_t start, uint32_t count, uint32_t size) {
       return count > 0 && start <= size && count <= size - start;
     };
-    const uint64_t bytes = RegionBytes(region, desc_.format);
     if (!inside(region.x, region.width, desc_.width) || !inside(region.y, region.height, desc_.height) ||
-        !inside(region.z, region.depth, desc_.depth) || region.layer >= desc_.layers || region.dataOffset % 4 != 0 ||
-        region.dataOffset > data.size() || bytes > data.size() - region.dataOffset) {
+        !inside(region.z, region.depth, desc_.depth) || region.layer >= desc_.layers || region.dataOffset > data.size() ||
+        RegionBytes(region, desc_.format) > data.size() - region.dataOffset) {
       return Error{"an upload passes the end of image '" + desc_.name + "' or of its data"};
     }
-    if (Status done = UploadRegion(region, data); !done) return done;
   }
-  return {};
+  uint64_t bytes = 0;
+  while (!waiting.empty()) {
+    const ImageRegion region = waiting.back();
+    const uint64_t size = RegionBytes(region, desc_.format);
+    waiting.pop_back();
+    if (size > Transfer::kChunkBytes) {
+      const auto [first, second] = Split(region, desc_.format);
+      waiting.push_back(second);
+      waiting.push_back(first);
+      continue;
+    }
+    if (bytes + size > Transfer::kChunkBytes) {
+      if (Status done = SubmitRegions(batch, data); !done) return done;
+      batch.clear();
+      bytes = 0;
+    }
+    batch.push_back(region);
+    bytes += size;
+  }
+  return batch.empty() ? Status{} : SubmitRegions(batch, data);
 }
 
 Status Image::Upload(std::span<const std::byte> data) {

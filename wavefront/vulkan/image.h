@@ -30,7 +30,7 @@ struct ImageDesc {
 struct ImageRegion {
   uint32_t x = 0, y = 0, z = 0, layer = 0;
   uint32_t width = 1, height = 1, depth = 1;
-  uint64_t dataOffset = 0;  // bytes, a multiple of 4
+  uint64_t dataOffset = 0;  // bytes
 };
 
 // One level, no mip chain. One thread at a time. The contents start undefined.
@@ -43,7 +43,8 @@ class Image {
   Image& operator=(const Image&) = delete;
 
   const ImageDesc& desc() const { return desc_; }
-  // Ordered after all submitted work and before all later work; waits for the staging ring only.
+  // Ordered after all submitted work and before all later work; waits for the staging ring only. Give many regions at
+  // once: they share submissions.
   Status Upload(std::span<const ImageRegion> regions, std::span<const std::byte> data);
   // All texels of an image of one layer.
   Status Upload(std::span<const std::byte> data);
@@ -54,7 +55,7 @@ class Image {
  private:
   Image(Device& device, ImageDesc desc);
   Status Build();
-  Status UploadRegion(const ImageRegion& region, std::span<const std::byte> data);
+  Status SubmitRegions(std::span<const ImageRegion> regions, std::span<const std::byte> data);
 
   ContextRef context_;
   ImageDesc desc_;

@@ -98,7 +98,7 @@ Status Transfer::Prepare(bool staging, Chunk*& chunk) {
   return Wait(chunk->busyUntil);
 }
 
-Status Transfer::SubmitAndMaybeWait(Chunk& chunk, const std::function<void(VkCommandBuffer, VkBuffer)>& record, bool wait) {
+Status Transfer::SubmitAndMaybeWait(Chunk& chunk, const Record& record, bool wait) {
   const VolkDeviceTable& vk = context_.vk;
   auto begin = Struct<VkCommandBufferBeginInfo>(VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO);
   begin.flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT;
@@ -138,20 +138,24 @@ Status Transfer::Wait(uint64_t value) {
   return {};
 }
 
-Status Transfer::Run(std::span<const std::byte> data, const std::function<void(VkCommandBuffer, VkBuffer)>& record,
-                     bool wait) {
+Status Transfer::Run(std::span<const Piece> pieces, const Record& record, bool wait) {
   std::scoped_lock lock(mutex_);
   Chunk* chunk = nullptr;
-  if (Status ready = Prepare(!data.empty(), chunk); !ready) return ready;
-  if (!data.empty()) std::memcpy(chunk->allocation.mapped, data.data(), data.size());
+  if (Status ready = Prepare(!pieces.empty(), chunk); !ready) return ready;
+  auto* target = static_cast<std::byte*>(chunk->allocation.mapped);
+  for (const Piece& piece : pieces) {
+    std::memcpy(target, piece.data(), piece.size());
+    target += piece.size();
+  }
   return SubmitAndMaybeWait(*chunk, record, wait);
 }
 
 Status Transfer::Upload(VkBuffer target, VkDeviceSize offset, std::span<const std::byte> data) {
   while (!data.empty()) {
     const std::size_t size = std::min<std::size_t>(data.size(), kChunkBytes);
+    const Piece piece = data.first(size);
     Status done = Run(
-        data.first(size),
+        std::span(&piece, 1),
         [&](VkCommandBuffer commands, VkBuffer staging) {
           const VkBufferCopy region{0, offset, size};
           context_.vk.vkCmdCopyBuffer(commands, staging, target, 1, &region);

@@ -33,8 +33,11 @@ class Transfer {
   Status Download(VkBuffer source, VkDeviceSize offset, std::span<std::byte> data);
   // Waits as Download does.
   Status Copy(VkBuffer source, VkBuffer target, VkDeviceSize size);
-  // Records `record` with `data` (at most kChunkBytes, a multiple of 4) staged at offset 0 of the buffer it is given.
-  Status Run(std::span<const std::byte> data, const std::function<void(VkCommandBuffer, VkBuffer)>& record, bool wait);
+  // Submits what `record` records, with the pieces (together at most kChunkBytes) staged one after another from offset
+  // 0 of the buffer that it is given.
+  using Piece = std::span<const std::byte>;
+  using Record = std::function<void(VkCommandBuffer, VkBuffer)>;
+  Status Run(std::span<const Piece> pieces, const Record& record, bool wait);
 
  private:
   struct Chunk {
@@ -46,7 +49,7 @@ class Transfer {
   Status Prepare(bool staging, Chunk*& chunk);
   Status CreateShared();
   Status CreateStaging(Chunk& chunk);
-  Status SubmitAndMaybeWait(Chunk& chunk, const std::function<void(VkCommandBuffer, VkBuffer)>& record, bool wait);
+  Status SubmitAndMaybeWait(Chunk& chunk, const Record& record, bool wait);
   Status Wait(uint64_t value);
 
   Context& context_;

@@ -203,5 +203,38 @@ TEST_F(VulkanTest, ABigImageIsUploadedInPieces) {
   EXPECT_EQ(Read<uint32_t>(*wrong, 1)[0], 0u);
 }
 
+// As a texture page pool is filled: more pages than a staging chunk holds, in one call, in any order.
+TEST_F(VulkanTest, ManyPagesAreUploadedAtOnce) {
+  constexpr uint32_t kLayers = 700, kPageBytes = 64 * 64 * 4;
+  auto image = Must(Image::Create(
+      *device_, {ImageShape::PlaneArray, Format::Rgba8Unorm, 64, 64, 1, kLayers, MemoryKind::Textures, "pool"}));
+  std::vector<uint32_t> texels(kLayers * 64 * 64);
+  std::vector<ImageRegion> regions;
+  for (uint32_t i = 0; i < kLayers; ++i) {
+    const uint32_t layer = (i * 37) % kLayers;
+    for (uint32_t t = 0; t < 64 * 64; ++t) texels[i * 64 * 64 + t] = layer * 4096 + t;
+    regions.push_back({0, 0, 0, layer, 64, 64, 1, uint64_t{i} * kPageBytes});
+  }
+  Must(image->Upload(regions, std::as_bytes(std::span(texels))));
+  auto layout = Must(
+      PipelineLayout::Create(*device_, {{0, DescriptorKind::StorageBuffer}, {1, DescriptorKind::SampledImage}}));
+  auto pipeline = MakePipeline(*layout, R"(
+    layout(local_size_x = 64) in;
+    layout(binding = 0) buffer Wrong { uint wrong; };
+    layout(binding = 1) uniform sampler2DArray pool;
+    void main() {
+      uint i = gl_GlobalInvocationID.x;
+      uint value = packUnorm4x8(texelFetch(pool, ivec3(i % 64, i / 64 % 64, i / 4096), 0));
+      if (value != i) atomicAdd(wrong, 1);
+    })");
+  auto wrong = MakeBuffer(std::vector<uint32_t>{0});
+  const auto sampler = Must(Sampler::Create(*device_, Filter::Nearest));
+  auto set = Must(DescriptorSet::Create(*device_, *layout));
+  Must(set->Write(0, *wrong));
+  Must(set->WriteImage(1, *image, *sampler));
+  RunOnce(*pipeline, *set, kLayers * 64);
+  EXPECT_EQ(Read<uint32_t>(*wrong, 1)[0], 0u);
+}
+
 }  // namespace
 }  // namespace wavefront::vulkan
