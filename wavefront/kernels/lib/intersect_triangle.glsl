@@ -4,7 +4,9 @@
 //
 // Why no second look in double precision where an edge function is 0, as the paper has it: rounding is monotone, so
 // the sign of fl(fl(ab) - fl(cd)) is right or it is 0, never wrong; and 0 counts as inside for the triangles on both
-// sides of an edge. So a rounded 0 can only add a hit, never lose one.
+// sides of an edge. So a rounded 0 can only add a hit, never lose one. What it could add at a distance - a far, tiny
+// triangle whose corners round to one line through the ray has two zeros - is refused by asking that the ray meets the
+// bounding box of the three corners, which needs no arithmetic and is always true for a real hit.
 // `precise` keeps the compiler from fusing the products (which would break the argument) and makes t, u, v one
 // function of ray and triangle in every kernel.
 #ifndef WAVEFRONT_LIB_INTERSECT_TRIANGLE_GLSL
@@ -50,6 +52,9 @@ bool intersectTriangle(TriangleTestRay ray, vec3 v0, vec3 v1, vec3 v2, out float
   precise float e1 = ap.x * cp.y - ap.y * cp.x;
   precise float e2 = bp.x * ap.y - bp.y * ap.x;
   bool inside = min(min(e0, e1), e2) >= 0.0 || max(max(e0, e1), e2) <= 0.0;
+  vec2 low = min(min(ap, bp), cp);
+  vec2 high = max(max(ap, bp), cp);
+  inside = inside && max(low.x, low.y) <= 0.0 && min(high.x, high.y) >= 0.0;
   precise float det = e0 + e1 + e2;
   precise float rcpDet = 1.0 / det;
   // Weights first, so that products of coordinates stay small for large and for tiny triangles.

@@ -39,12 +39,16 @@ bool isInnerNode(uint reference) { return (reference & kBvhLeafBit) == 0u; }
 
 // ---- Boxes ----------------------------------------------------------------------------------------------------
 
-// A ray as boxes of one tree see it. `slack` widens every box, in units of t: it covers
-//  - the box test's own rounding,
-//  - the triangle test's: it can report a hit up to about 8 eps (|v - o| <= |o| + R) beside the triangle,
-//  - for the tree over instances, the rounding of the transform to object space: 4 eps (|o| + R), and as much again
-//    for the rounded matrix (shear beyond that is InstanceBounds' business),
-// with eps = 2^-24 and R the largest coordinate in the tree: 2^-20 (|o| + R) = 16 eps (|o| + R) in each tree.
+// A ray as boxes of one tree see it. `slack` widens every box, in units of t. With eps = 2^-24, R the largest coordinate
+// in the tree and |v - o| <= |o| + R it covers
+//  - in a mesh: the box test's own rounding (4 eps) and the triangle test's, which can report a hit up to about 8 eps
+//    (|o| + R) beside the triangle: 16 eps (|o| + R) in all;
+//  - in the tree over instances: the rounding on the way to object space, which moves the ray as seen from the world
+//    by up to 8 eps |M| |W| (|o| + R), |M| |W| being 1 to 3 for rotations and scales, more for shears (products of the
+//    absolute values of both matrices). 128 eps (|o| + R) covers 16; InstanceBounds adds for shears beyond that.
+const float kMeshSlack = 9.5367431640625e-7;    // 2^-20
+const float kInstanceSlack = 7.62939453125e-6;  // 2^-17
+
 struct BoxRay {
   vec3 origin;
   vec3 inverse;
@@ -55,10 +59,10 @@ vec3 nodeSteps(uint exponents) {
   return uintBitsToFloat((uvec3(exponents) << uvec3(23u, 15u, 7u)) & 0x7f800000u);
 }
 
-BoxRay prepareBoxRay(vec3 origin, vec3 direction, uint rootNode) {
+BoxRay prepareBoxRay(vec3 origin, vec3 direction, uint rootNode, float relativeSlack) {
   uvec4 root = fetchBvhNode(rootNode * kBvhNodeTexels);
   vec3 reach = abs(uintBitsToFloat(root.xyz)) + 255.0 * nodeSteps(root.w) + abs(origin);
-  float slack = max(reach.x, max(reach.y, reach.z)) * 9.5367431640625e-7;
+  float slack = max(reach.x, max(reach.y, reach.z)) * relativeSlack;
   // A component of 0 becomes one that moves the ray by far less than the slack.
   vec3 a = abs(direction);
   float least = max(a.x, max(a.y, a.z)) * 9.094947017729282e-13;  // 2^-40
@@ -205,7 +209,7 @@ bool traverseClosest(Ray ray, uint visibilityMask, uint skipInstance, uint skipT
   uint skipMeshTriangle = skipInstance == kNoHit ? kNoHit : meshTriangleOf(skipInstance, skipTriangle);
   Hit best = noHit(tMax);
   uint bestMeshTriangle = kNoHit;
-  BoxRay worldRay = prepareBoxRay(ray.origin, ray.direction, tlasRoot());
+  BoxRay worldRay = prepareBoxRay(ray.origin, ray.direction, tlasRoot(), kInstanceSlack);
   uint steps = 0u;
   traversalStack[0] = kBvhEmpty;
   uint top = 1u;
@@ -228,7 +232,7 @@ bool traverseClosest(Ray ray, uint visibilityMask, uint skipInstance, uint skipT
       }
     }
     if (visit.enter && kind == kKindMesh) {
-      BoxRay boxRay = prepareBoxRay(visit.origin, visit.direction, visit.nodeBase);
+      BoxRay boxRay = prepareBoxRay(visit.origin, visit.direction, visit.nodeBase, kMeshSlack);
       TriangleTestRay testRay = prepareTriangleTest(visit.origin, visit.direction);
       traversalStack[top] = kBvhEmpty;
       ++top;
@@ -298,7 +302,7 @@ uint traverseShadow(Ray ray, uint visibilityMask, uint skipInstance, uint skipTr
   Hit best = noHit(tMax);
   uint bestMeshTriangle = kNoHit;
   bool blocked = false;
-  BoxRay worldRay = prepareBoxRay(ray.origin, ray.direction, tlasRoot());
+  BoxRay worldRay = prepareBoxRay(ray.origin, ray.direction, tlasRoot(), kInstanceSlack);
   uint steps = 0u;
   traversalStack[0] = kBvhEmpty;
   uint top = 1u;
@@ -313,7 +317,7 @@ uint traverseShadow(Ray ray, uint visibilityMask, uint skipInstance, uint skipTr
     InstanceVisit visit = visitInstance(instance, ray, visibilityMask, skipInstance, skipMeshTriangle);
     bool opaque = (visit.flags & kInstanceOpaque) != 0u;
     if (visit.enter && (visit.flags & kInstanceKindMask) == kKindMesh) {
-      BoxRay boxRay = prepareBoxRay(visit.origin, visit.direction, visit.nodeBase);
+      BoxRay boxRay = prepareBoxRay(visit.origin, visit.direction, visit.nodeBase, kMeshSlack);
       TriangleTestRay testRay = prepareTriangleTest(visit.origin, visit.direction);
       traversalStack[top] = kBvhEmpty;
       ++top;
