@@ -106,6 +106,7 @@ void main() {
           uvec4 buckets = texelFetch(bindingRecords, int(binding));
           key = buckets.x;
           // The last hit only shows emission (or lets the ray through): nothing to do where there is neither.
+          if (key == kNoBucket) ended = true;  // no kernel for this material: the delegate has said so
           if (bounce >= frame.maxBounces && buckets.y == kNoBucket && buckets.z == kNoBucket && (ids.w & kFlagAovWritten) != 0u) {
             ended = true;
             key = kNoBucket;

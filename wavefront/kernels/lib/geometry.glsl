@@ -109,6 +109,8 @@ void primvarCorners(ShadingPoint sp, uint slot, out vec2 uv[3]) {
 
 // The edges of the hit triangle in world space; kept in globals by shadingPointMake, so that they are fetched once.
 vec3 gEdge1World, gEdge2World;
+// Its corners in object space, for the bound of ray_offset.glsl.
+vec3 gCorner0, gCorner1, gCorner2;
 
 float primvarUvFootprint(ShadingPoint sp, uint slot) {
   vec2 uv[3];
@@ -168,6 +170,7 @@ ShadingPoint shadingPointMake(uint instance, uint triangleRecord, vec2 barycentr
   sp.binding = texelFetch(indexStream, int(ids.y + floatBitsToUint(t1.w))).x;
   sp.parameterBase = texelFetch(bindingRecords, int(sp.binding)).w;
 
+  gCorner0 = t0.xyz; gCorner1 = t1.xyz; gCorner2 = t2.xyz;
   vec3 e1 = t1.xyz - t0.xyz, e2 = t2.xyz - t0.xyz;
   sp.positionObject = t0.xyz + barycentric.x * e1 + barycentric.y * e2;
   sp.positionWorld = transformPoint(w0, w1, w2, sp.positionObject);

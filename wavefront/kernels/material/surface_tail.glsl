@@ -110,6 +110,7 @@ void main() {
     if (i == 0) sampled = value; else lit = value;
   }
 
+  vec3 error = surfacePointError(sp.instance, gCorner0, gCorner1, gCorner2, sp.positionWorld);
   bool front = dot(wo, sp.normalGeometric) >= 0.0;
   if (lightRadiance.a > 0.0) {
     uint item = floatBitsToUint(cone.z);
@@ -117,7 +118,7 @@ void main() {
     float weight = powerHeuristic(lightRadiance.a, lit.a);
     vec3 contribution = throughput * lit.rgb * lightRadiance.rgb * (weight / lightRadiance.a);
     if (max(contribution.r, max(contribution.g, contribution.b)) > 0.0) {
-      vec3 from = raySpawnOrigin(sp, light.xyz);
+      vec3 from = offsetRayOrigin(sp.positionWorld, error, sp.normalGeometric, light.xyz);
       // An emissive triangle ends the shadow ray just before it; analytic lights never block.
       float tMax = record.y != kNoLight ? light.w * (1.0 - 1e-4) : light.w;
       storePathF(kChunkShadowOrigin, path, vec4(from, 0.0));
@@ -142,7 +143,7 @@ void main() {
     storePath(kChunkMediaB, path, mediaB);
   }
   ids.w += 1u << kBounceShift;
-  storePathF(kChunkRayOrigin, path, vec4(raySpawnOrigin(sp, wi), 0.0));
+  storePathF(kChunkRayOrigin, path, vec4(offsetRayOrigin(sp.positionWorld, error, sp.normalGeometric, wi), 0.0));
   storePathF(kChunkRayDirection, path, vec4(wi, 3.4e38));
   storePath(kChunkHitDistance, path, uvec4(0u, 0xffffffffu, 0xffffffffu, floatBitsToUint(coneWidth)));
   storePathF(kChunkThroughput, path, vec4(throughput, sampled.a));

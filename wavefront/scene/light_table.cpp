@@ -1,0 +1,238 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the hdWavefront authors
+#include "wavefront/scene/light_table.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <numbers>
+
+#include "wavefront/shared/scene_layout.h"
+
+namespace wavefront {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+constexpr uint32_t kDomeMapSide = 512;
+
+bool IsInfinite(LightType type) { return type == LightType::Distant || type == LightType::Dome; }
+
+// Size of the unit shape, and its name in the records.
+void UnitScale(const LightData& light, double scale[3], uint32_t* kind) {
+  const double r = light.radius;
+  switch (light.type) {
+    case LightType::Rect: scale[0] = light.width; scale[1] = light.height; scale[2] = 1; *kind = layout::kKindRect; break;
+    case LightType::Disk: scale[0] = scale[1] = scale[2] = r; *kind = layout::kKindDisk; break;
+    case LightType::Sphere: scale[0] = scale[1] = scale[2] = r; *kind = layout::kKindSphere; break;
+    case LightType::Cylinder: scale[0] = light.length; scale[1] = scale[2] = r; *kind = layout::kKindCylinder; break;
+    default: scale[0] = scale[1] = scale[2] = 1; *kind = layout::kKindMesh; break;
+  }
+}
+
+double Length(const Matrix4d& m, int row) { return std::sqrt(m.m[row][0] * m.m[row][0] + m.m[row][1] * m.m[row][1] + m.m[row][2] * m.m[row][2]); }
+
+// Approximate world area of a shape, for the choice among lights only (exact pdfs come from the kernels).
+double ShapeArea(LightType type, const Matrix4d& m) {
+  const double x = Length(m, 0), y = Length(m, 1), z = Length(m, 2);
+  switch (type) {
+    case LightType::Rect: return x * y;
+    case LightType::Disk: return kPi * x * y;
+    case LightType::Sphere: return 4 * kPi * std::cbrt(x * y * z) * std::cbrt(x * y * z);
+    case LightType::Cylinder: return 2 * kPi * x * std::sqrt(y * z);
+    default: return 0;
+  }
+}
+
+// Marginal and conditional CDFs over luminance * sin(theta); appended to the distribution. Returns the mean luminance.
+double AppendDomeMap(const FloatImage& image, std::vector<float>* out) {
+  const uint32_t w = image.width, h = image.height;
+  out->push_back(static_cast<float>(w));
+  out->push_back(static_cast<float>(h));
+  std::vector<double> rowSums(h);
+  std::vector<std::vector<double>> rows(h, std::vector<double>(w));
+  double total = 0, solid = 0;
+  for (uint32_t y = 0; y < h; ++y) {
+    const double sine = std::sin(kPi * (y + 0.5) / h);
+    for (uint32_t x = 0; x < w; ++x) {
+      // Bilinear lookups reach into the neighbours: so does the importance, or a bright texel's rim is never sampled.
+      double value = 0;
+      for (int dy = -1; dy <= 1; ++dy) {
+        for (int dx = -1; dx <= 1; ++dx) {
+          const uint32_t yy = static_cast<uint32_t>(std::clamp<int>(static_cast<int>(y) + dy, 0, static_cast<int>(h) - 1));
+          const uint32_t xx = (x + w + static_cast<uint32_t>(dx + static_cast<int>(w))) % w;
+          const Float4& t = image.texels[static_cast<std::size_t>(yy) * w + xx];
+          const double l = Luminance({t.x, t.y, t.z});
+          if (std::isfinite(l) && l > 0) value += l * (dx == 0 && dy == 0 ? 0.5 : 0.0625);
+        }
+      }
+      rows[y][x] = value * sine;
+      rowSums[y] += value * sine;
+    }
+    total += rowSums[y];
+    solid += sine * w;
+  }
+  // A floor of 1 % uniform keeps every direction possible.
+  const double floorValue = total > 0 ? 0.01 * total / solid : 1.0;
+  for (uint32_t y = 0; y < h; ++y) {
+    const double sine = std::sin(kPi * (y + 0.5) / h);
+    for (double& v : rows[y]) v += floorValue * sine;
+    rowSums[y] += floorValue * sine * w;
+  }
+  const double sum = total + floorValue * solid;
+  double running = 0;
+  out->push_back(0.0f);
+  for (uint32_t y = 0; y < h; ++y) {
+    running += rowSums[y];
+    out->push_back(y + 1 == h ? 1.0f : static_cast<float>(running / sum));
+  }
+  for (uint32_t y = 0; y < h; ++y) {
+    double rowRunning = 0;
+    out->push_back(0.0f);
+    for (uint32_t x = 0; x < w; ++x) {
+      rowRunning += rows[y][x];
+      out->push_back(x + 1 == w ? 1.0f : static_cast<float>(rowRunning / rowSums[y]));
+    }
+  }
+  return total / solid;
+}
+
+struct Group {  // one analytic light or one emissive instance
+  double power = 0;
+  int light = -1, emissive = -1;
+};
+
+Float4 Bits(uint32_t a, uint32_t b, uint32_t c, uint32_t d) {
+  return {std::bit_cast<float>(a), std::bit_cast<float>(b), std::bit_cast<float>(c), std::bit_cast<float>(d)};
+}
+
+}  // namespace
+
+LightTable BuildLightTable(std::vector<LightData> lights, std::vector<EmissiveTriangles>& emissive, TextureStore& textures,
+                           const Double3& origin, double sceneRadius, const DiagnosticSink& sink) {
+  LightTable table;
+  std::stable_sort(lights.begin(), lights.end(), [](const LightData& a, const LightData& b) {
+    return IsInfinite(a.type) != IsInfinite(b.type) ? IsInfinite(a.type) : a.path < b.path;
+  });
+  std::vector<Group> groups;
+  std::vector<float> domeMaps;
+  std::vector<uint32_t> domeBases;
+  const double radius = std::max(sceneRadius, 1e-6);
+
+  for (const LightData& light : lights) {
+    const Matrix4d transform = light.transforms.empty() ? Matrix4d{} : light.transforms.front().value;
+    double scale[3];
+    uint32_t kind;
+    UnitScale(light, scale, &kind);
+    const Matrix4d sized = Prescale(transform, scale[0], scale[1], scale[2]);
+    auto worldToLight = InverseRows(transform, origin);
+    const bool finite = std::isfinite(light.radiance.x) && std::isfinite(light.radiance.y) && std::isfinite(light.radiance.z);
+    if (!worldToLight || !finite || (!IsInfinite(light.type) && !InverseRows(sized, origin))) {
+      if (sink) sink({Severity::Warning, "light-degenerate", light.path, "the light has no area, a singular transform or values that are not finite; it does not shine"});
+      continue;
+    }
+    const uint32_t index = table.lightCount++;
+    double power = std::max<double>(0, Luminance(light.radiance)), solidAngle = 0, halfAngle = 0;
+    Float3 radiance = light.radiance;
+    uint32_t distribution = layout::kNoStream, texture = light.texture;
+    if (texture != kInvalidId && !textures.Has(texture)) texture = kInvalidId;
+    if (light.type == LightType::Dome) {
+      if (texture != kInvalidId) {
+        auto image = textures.ReadLevel(texture, kDomeMapSide);
+        if (image.ok()) {
+          distribution = static_cast<uint32_t>(domeMaps.size());
+          power *= AppendDomeMap(image.value(), &domeMaps);
+        }
+      }
+      power *= 4 * kPi * kPi * radius * radius;
+    } else if (light.type == LightType::Distant) {
+      // A parallel light is a cone too small to see that carries the same irradiance.
+      halfAngle = 0.5 * light.angle;
+      const bool parallel = halfAngle < 1e-5;
+      if (parallel) halfAngle = 1e-4;
+      halfAngle = std::min(halfAngle, kPi);
+      const double s = std::sin(0.5 * halfAngle);
+      solidAngle = 4 * kPi * s * s;
+      if (parallel) {
+        const float k = static_cast<float>(1.0 / (kPi * std::sin(halfAngle) * std::sin(halfAngle)));
+        radiance = {radiance.x * k, radiance.y * k, radiance.z * k};
+        power *= k;
+      }
+      power *= solidAngle * kPi * radius * radius;
+    } else {
+      power *= kPi * ShapeArea(light.type, sized);
+      table.shapes.push_back({kind, index, sized, light.visibleToCamera});
+    }
+    uint32_t flags = (light.visibleToCamera ? layout::kLightFlagCameraVisible : 0u) | (light.castsShadows ? layout::kLightFlagShadows : 0u);
+    if (Determinant3(sized) < 0) flags |= layout::kLightFlagMirrored;
+    const double lx = Length(sized, 0), ly = Length(sized, 1), lz = Length(sized, 2), largest = std::max({lx, ly, lz});
+    auto orthogonal = [&](int a, int b) {
+      double d = 0;
+      for (int c = 0; c < 3; ++c) d += sized.m[a][c] * sized.m[b][c];
+      return std::abs(d) <= 1e-5 * largest * largest;
+    };
+    if (std::max({std::abs(lx - ly), std::abs(ly - lz)}) <= 1e-5 * largest && orthogonal(0, 1) && orthogonal(1, 2) && orthogonal(0, 2)) flags |= layout::kLightFlagUniform;
+    const Rows shape = ToRows(sized, origin);
+    const float cutoff = std::clamp(light.coneAngle, 0.0f, 6.2831853f);
+    const float start = cutoff * (1.0f - std::clamp(light.coneSoftness, 0.0f, 1.0f));
+    table.records.push_back(Bits(static_cast<uint32_t>(light.type), flags, texture, index));
+    table.records.insert(table.records.end(), shape.begin(), shape.end());
+    table.records.insert(table.records.end(), worldToLight->begin(), worldToLight->end());
+    table.records.push_back({radiance.x, radiance.y, radiance.z, static_cast<float>(solidAngle)});
+    table.records.push_back({cutoff, start, light.focus, static_cast<float>(halfAngle)});
+    table.records.push_back({light.focusTint.x, light.focusTint.y, light.focusTint.z, std::bit_cast<float>(distribution)});
+    domeBases.push_back(distribution);
+    if (IsInfinite(light.type)) ++table.infiniteCount;
+    groups.push_back({power, static_cast<int>(index), -1});
+  }
+  for (std::size_t e = 0; e < emissive.size(); ++e) {
+    double area = 0;
+    for (std::size_t t = 0; t < emissive[e].areas.size(); ++t) {
+      if (emissive[e].records[t] != layout::kNoLight) area += emissive[e].areas[t];
+    }
+    groups.push_back({kPi * area, -1, static_cast<int>(e)});
+  }
+
+  // Half by power, half evenly: power alone starves a small light near the eye.
+  double powerSum = 0;
+  std::size_t shining = 0;
+  for (const Group& g : groups) { powerSum += g.power; shining += g.power > 0; }
+  if (shining == 0) {
+    // Nothing shines: items stay, so that indices hold, but none is ever picked.
+    for (EmissiveTriangles& e : emissive) e.itemBase = layout::kNoLight;
+    return table;
+  }
+  std::vector<double> cdf{0.0};
+  auto addItem = [&](uint32_t a, uint32_t b, double probability, uint32_t d) {
+    table.items.insert(table.items.end(), {a, b, 0u, d});
+    cdf.push_back(cdf.back() + probability);
+  };
+  for (const Group& g : groups) {
+    const double weight = g.power > 0 ? 0.5 * g.power / powerSum + 0.5 / static_cast<double>(shining) : 0.0;
+    if (g.light >= 0) {
+      addItem(static_cast<uint32_t>(g.light), layout::kNoLight, weight, 0);
+      continue;
+    }
+    EmissiveTriangles& e = emissive[static_cast<std::size_t>(g.emissive)];
+    e.itemBase = static_cast<uint32_t>(table.items.size() / 4);
+    const double area = g.power / kPi;
+    for (std::size_t t = 0; t < e.areas.size(); ++t) {
+      const bool emits = e.records[t] != layout::kNoLight;
+      addItem(e.instance, emits ? e.records[t] : 0u, emits && area > 0 ? weight * e.areas[t] / area : 0.0, static_cast<uint32_t>(t));
+    }
+  }
+  table.itemCount = static_cast<uint32_t>(table.items.size() / 4);
+  for (double c : cdf) table.distribution.push_back(static_cast<float>(std::min(1.0, c / cdf.back())));
+  table.distribution.back() = 1.0f;
+  // The probability that kernels divide by is the one that the float CDF really gives.
+  for (uint32_t i = 0; i < table.itemCount; ++i) {
+    table.items[4 * i + 2] = std::bit_cast<uint32_t>(table.distribution[i + 1] - table.distribution[i]);
+  }
+  const uint32_t domeStart = static_cast<uint32_t>(table.distribution.size());
+  table.distribution.insert(table.distribution.end(), domeMaps.begin(), domeMaps.end());
+  for (uint32_t l = 0; l < table.lightCount; ++l) {
+    if (domeBases[l] != layout::kNoStream) table.records[l * layout::kLightTexels + 9].w = std::bit_cast<float>(domeBases[l] + domeStart);
+  }
+  return table;
+}
+
+}  // namespace wavefront

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the hdWavefront authors
+// Light records, light items and the distribution from which the logic kernel picks one.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "wavefront/base/diagnostics.h"
+#include "wavefront/scene.h"
+#include "wavefront/scene/texture_store.h"
+#include "wavefront/scene/transforms.h"
+
+namespace wavefront {
+
+// An emissive instance's triangles, in mesh order; filled by the scene commit.
+struct EmissiveTriangles {
+  uint32_t instance = 0;
+  std::vector<uint32_t> records;  // absolute triangle record of each mesh triangle; kNoLight: does not emit
+  std::vector<float> areas;       // world
+  uint32_t itemBase = 0;          // out: first item
+};
+
+// A light that rays can hit: an instance of a unit shape.
+struct LightShape {
+  uint32_t kind = 0, light = 0;
+  Matrix4d transform;
+  bool visibleToCamera = true;
+};
+
+struct LightTable {
+  std::vector<Float4> records;        // kLightTexels per light
+  std::vector<uint32_t> items;        // 4 words per item
+  std::vector<float> distribution;    // item CDF (items + 1 values), then dome maps
+  std::vector<LightShape> shapes;
+  uint32_t lightCount = 0, infiniteCount = 0, itemCount = 0;
+};
+
+// Lights are ordered infinite first, then by path. `sceneRadius` weighs distant and dome lights against area lights.
+// Lights that cannot shine (singular transform, no area, not finite) give a diagnostic and are left out.
+LightTable BuildLightTable(std::vector<LightData> lights, std::vector<EmissiveTriangles>& emissive, TextureStore& textures,
+                           const Double3& origin, double sceneRadius, const DiagnosticSink& sink);
+
+}  // namespace wavefront

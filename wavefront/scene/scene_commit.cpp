@@ -1,0 +1,359 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the hdWavefront authors
+#include "wavefront/scene/scene_commit.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+
+#include "wavefront/base/parallel.h"
+#include "wavefront/shared/scene_layout.h"
+
+namespace wavefront {
+namespace {
+
+using vulkan::MemoryKind;
+constexpr uint32_t kRecordWords = 4 * layout::kInstanceTexels;
+
+Matrix4d FirstTransform(const std::vector<TimeSample<Matrix4d>>& samples) { return samples.empty() ? Matrix4d{} : samples.front().value; }
+
+void WriteRows(uint32_t* words, const Rows& rows) {
+  for (int r = 0; r < 3; ++r) {
+    words[4 * r] = std::bit_cast<uint32_t>(rows[r].x);
+    words[4 * r + 1] = std::bit_cast<uint32_t>(rows[r].y);
+    words[4 * r + 2] = std::bit_cast<uint32_t>(rows[r].z);
+    words[4 * r + 3] = std::bit_cast<uint32_t>(rows[r].w);
+  }
+}
+
+struct DoubleBounds {
+  double min[3] = {1e300, 1e300, 1e300}, max[3] = {-1e300, -1e300, -1e300};
+  bool empty() const { return min[0] > max[0]; }
+  void Add(double x, double y, double z) {
+    const double p[3] = {x, y, z};
+    for (int i = 0; i < 3; ++i) { min[i] = std::min(min[i], p[i]); max[i] = std::max(max[i], p[i]); }
+  }
+  void AddBox(const Bounds3& b, const Matrix4d& m) {
+    if (b.min.x > b.max.x) return;
+    for (int corner = 0; corner < 8; ++corner) {
+      const double p[3] = {corner & 1 ? b.max.x : b.min.x, corner & 2 ? b.max.y : b.min.y, corner & 4 ? b.max.z : b.min.z};
+      double q[3];
+      for (int j = 0; j < 3; ++j) q[j] = p[0] * m.m[0][j] + p[1] * m.m[1][j] + p[2] * m.m[2][j] + m.m[3][j];
+      if (std::isfinite(q[0]) && std::isfinite(q[1]) && std::isfinite(q[2])) Add(q[0], q[1], q[2]);
+    }
+  }
+};
+
+// One group's instances as the commit walks them.
+struct GroupPlan {
+  const InstanceData* data = nullptr;
+  const ResidentMesh* mesh = nullptr;
+  uint32_t firstInstance = 0, bindingIndexBase = 0;
+  bool opaque = true;
+  std::vector<bool> emissiveSlots;
+  bool emissive = false;
+};
+
+Bounds3 Empty() { return {}; }
+
+// Triangles of an emissive instance, in mesh order, with world areas.
+EmissiveTriangles GatherEmissive(const GroupPlan& plan, uint32_t instance, const Matrix4d& transform,
+                                 const std::vector<bvh::TriangleRecord>& records) {
+  EmissiveTriangles e;
+  e.instance = instance;
+  e.records.assign(plan.mesh->triangleCount, layout::kNoLight);
+  e.areas.assign(plan.mesh->triangleCount, 0.0f);
+  const auto& m = transform.m;
+  for (std::size_t i = 0; i < records.size(); ++i) {
+    const bvh::TriangleRecord& t = records[i];
+    if (t.meshTriangle >= e.records.size()) continue;
+    const double a[3] = {double(t.v1.x) - t.v0.x, double(t.v1.y) - t.v0.y, double(t.v1.z) - t.v0.z};
+    const double b[3] = {double(t.v2.x) - t.v0.x, double(t.v2.y) - t.v0.y, double(t.v2.z) - t.v0.z};
+    double wa[3], wb[3];
+    for (int j = 0; j < 3; ++j) {
+      wa[j] = a[0] * m[0][j] + a[1] * m[1][j] + a[2] * m[2][j];
+      wb[j] = b[0] * m[0][j] + b[1] * m[1][j] + b[2] * m[2][j];
+    }
+    const double c[3] = {wa[1] * wb[2] - wa[2] * wb[1], wa[2] * wb[0] - wa[0] * wb[2], wa[0] * wb[1] - wa[1] * wb[0]};
+    const double area = 0.5 * std::sqrt(c[0] * c[0] + c[1] * c[1] + c[2] * c[2]);
+    const bool emits = t.materialSlot < plan.emissiveSlots.size() && plan.emissiveSlots[t.materialSlot];
+    if (!emits || !(area > 0) || !std::isfinite(area)) continue;
+    e.records[t.meshTriangle] = plan.mesh->triangles.first + static_cast<uint32_t>(i);
+    e.areas[t.meshTriangle] = static_cast<float>(area);
+  }
+  return e;
+}
+
+}  // namespace
+
+SceneStore::SceneStore(vulkan::Device& device)
+    : geometry(device), textures(device), materials(device),
+      instances_(device, "instance records", MemoryKind::Geometry, 16 * layout::kInstanceTexels),
+      bindings_(device, "binding records", MemoryKind::Materials, 16),
+      lightRecords_(device, "light records", MemoryKind::Tables, 16 * layout::kLightTexels),
+      lightItems_(device, "light items", MemoryKind::Tables, 16),
+      lightDistribution_(device, "light distribution", MemoryKind::Tables, 4) {}
+
+uint32_t SceneStore::CreateInstances(InstanceData data) {
+  std::lock_guard lock(mutex_);
+  instancesDirty_ = true;
+  groups_[nextGroup_] = std::move(data);
+  return nextGroup_++;
+}
+void SceneStore::SetInstances(uint32_t id, InstanceData data) {
+  std::lock_guard lock(mutex_);
+  instancesDirty_ = true;
+  groups_[id] = std::move(data);
+}
+void SceneStore::DestroyInstances(uint32_t id) {
+  std::lock_guard lock(mutex_);
+  instancesDirty_ = true;
+  groups_.erase(id);
+}
+LightId SceneStore::CreateLight(LightData light) {
+  std::lock_guard lock(mutex_);
+  lightsDirty_ = true;
+  lights_[nextLight_] = std::move(light);
+  return nextLight_++;
+}
+void SceneStore::SetLight(LightId id, LightData light) {
+  std::lock_guard lock(mutex_);
+  lightsDirty_ = true;
+  lights_[id] = std::move(light);
+}
+void SceneStore::DestroyLight(LightId id) {
+  std::lock_guard lock(mutex_);
+  lightsDirty_ = true;
+  lights_.erase(id);
+}
+
+Status SceneStore::Commit(uint32_t threads, const DiagnosticSink& sink, bool* changed) {
+  bool texturesChanged = false, meshesChanged = false, valuesChanged = false, bindingsChanged = false;
+  if (Status s = textures.Commit(sink, &texturesChanged); !s) return s;
+  if (Status s = geometry.Commit(threads, sink, &meshesChanged); !s) return s;
+  if (Status s = materials.Commit(&valuesChanged, &bindingsChanged); !s) return s;
+  std::lock_guard lock(mutex_);
+  const bool rebuild = instancesDirty_ || lightsDirty_ || meshesChanged || bindingsChanged || texturesChanged;
+  *changed = rebuild || valuesChanged;
+  if (!rebuild) return {};
+  Status s = RebuildInstances(threads, sink);
+  if (s) instancesDirty_ = lightsDirty_ = false;
+  return s;
+}
+
+// One binding record per distinct (mesh, material, instance primvars): instances share them.
+uint32_t SceneStore::BindingFor(const InstanceData& group, const ResidentMesh& mesh, uint32_t slot, uint64_t instancePrimvarKey,
+                                const std::map<std::string, PrimvarDescriptor>& instancePrimvars, bool* opaque, bool* emissive) {
+  const MaterialId id = materials.Resolve(slot < group.materials.size() ? group.materials[slot] : kInvalidId);
+  const MaterialInfo* material = materials.Find(id);
+  const KernelInfo* kernel = material != nullptr ? materials.Kernel(material->kernelKey) : nullptr;
+  *opaque = kernel == nullptr || kernel->opacity == layout::kNoBucket;
+  *emissive = kernel != nullptr && kernel->emission != layout::kNoBucket;
+  const std::vector<uint64_t> key{mesh.record, id, instancePrimvarKey};
+  auto cached = bindingCache_.find(key);
+  if (cached != bindingCache_.end()) return cached->second;
+
+  const uint32_t texel = static_cast<uint32_t>(bindingTexels_.size() / 4);
+  const uint32_t primvarCount = kernel != nullptr ? static_cast<uint32_t>(kernel->primvars.size()) : 0;
+  auto put = [&](uint32_t a, uint32_t b, uint32_t c, uint32_t d) { bindingTexels_.insert(bindingTexels_.end(), {a, b, c, d}); };
+  if (kernel == nullptr) {
+    put(layout::kNoBucket, layout::kNoBucket, layout::kNoBucket, 0);
+  } else {
+    put(kernel->surface, kernel->opacity, kernel->emission, material->parameters.first);
+  }
+  put(0, id, primvarCount, 0);
+  for (uint32_t p = 0; p < primvarCount; ++p) {
+    PrimvarDescriptor d;
+    auto own = instancePrimvars.find(kernel->primvars[p]);
+    if (own != instancePrimvars.end()) d = own->second;
+    else if (auto found = mesh.primvars.find(kernel->primvars[p]); found != mesh.primvars.end()) d = found->second;
+    put(d.valueBase, d.indexBase, d.packed, d.unused);
+  }
+  bindingCache_[key] = texel;
+  return texel;
+}
+
+Status SceneStore::RebuildInstances(uint32_t threads, const DiagnosticSink& sink) {
+  for (Range* range : {&bindingIndexRange_}) { geometry.indices.Free(*range); *range = {}; }
+  geometry.primvars.Free(instancePrimvarRange_);
+  geometry.nodes.Free(tlasRange_);
+  instances_.Free(instanceRange_);
+  bindings_.Free(bindingRange_);
+  lightRecords_.Free(lightRange_);
+  lightItems_.Free(itemRange_);
+  lightDistribution_.Free(distributionRange_);
+  instancePrimvarRange_ = tlasRange_ = instanceRange_ = bindingRange_ = lightRange_ = itemRange_ = distributionRange_ = {};
+  bindingTexels_.clear();
+  bindingCache_.clear();
+
+  // Order by path, never by arrival; equal paths (a mesh in several groups) by mesh id of creation order within a path.
+  std::vector<GroupPlan> plans;
+  for (auto& [id, data] : groups_) {
+    const ResidentMesh* mesh = geometry.Find(data.mesh);
+    if (mesh == nullptr || mesh->triangleCount == 0 || data.transforms.empty()) continue;
+    plans.push_back({&data, mesh, 0, 0, true, {}, false});
+  }
+  std::stable_sort(plans.begin(), plans.end(), [](const GroupPlan& a, const GroupPlan& b) { return a.data->path < b.data->path; });
+
+  // Instance primvars: values of all groups in one range.
+  std::vector<float> instanceValues;
+  std::vector<std::map<std::string, PrimvarDescriptor>> groupPrimvars(plans.size());
+  uint64_t valueCount = 0;
+  for (const GroupPlan& plan : plans) for (const PrimvarData& p : plan.data->instancePrimvars) if (p.components <= 4) valueCount += p.values.size();
+  instancePrimvarRange_ = geometry.primvars.Allocate(valueCount);
+  for (std::size_t g = 0; g < plans.size(); ++g) {
+    for (const PrimvarData& p : plans[g].data->instancePrimvars) {
+      if (p.components > 4 || p.values.empty()) continue;
+      groupPrimvars[g][p.name] = {instancePrimvarRange_.first + static_cast<uint32_t>(instanceValues.size()), layout::kNoStream,
+                                  static_cast<uint32_t>(p.interpolation) | p.components << 8, 0};
+      instanceValues.insert(instanceValues.end(), p.values.begin(), p.values.end());
+    }
+  }
+
+  // Bindings.
+  std::vector<uint32_t> bindingIndices;
+  DoubleBounds world;
+  uint32_t instanceCount = 0;
+  for (std::size_t g = 0; g < plans.size(); ++g) {
+    GroupPlan& plan = plans[g];
+    plan.firstInstance = instanceCount;
+    instanceCount += static_cast<uint32_t>(plan.data->transforms.size());
+    plan.bindingIndexBase = static_cast<uint32_t>(bindingIndices.size());
+    for (uint32_t slot = 0; slot < plan.mesh->slotCount; ++slot) {
+      bool opaque = true, emissive = false;
+      bindingIndices.push_back(BindingFor(*plan.data, *plan.mesh, slot, groupPrimvars[g].empty() ? 0 : g + 1, groupPrimvars[g], &opaque, &emissive));
+      plan.opaque = plan.opaque && opaque;
+      plan.emissive = plan.emissive || emissive;
+      plan.emissiveSlots.push_back(emissive);
+    }
+    for (const auto& samples : plan.data->transforms) world.AddBox(plan.mesh->bounds, FirstTransform(samples));
+  }
+  bindingIndexRange_ = geometry.indices.Allocate(bindingIndices.size());
+  bindingRange_ = bindings_.Allocate(bindingTexels_.size() / 4);
+
+  // Far from the origin floats are coarse: render relative to the scene's centre there.
+  facts_ = {};
+  double extent = 0;
+  if (!world.empty()) {
+    double centre[3], far = 0;
+    for (int i = 0; i < 3; ++i) {
+      centre[i] = 0.5 * (world.min[i] + world.max[i]);
+      extent = std::max(extent, world.max[i] - world.min[i]);
+      far = std::max(far, std::abs(centre[i]));
+    }
+    if (far > 8 * extent) facts_.origin = {std::round(centre[0]), std::round(centre[1]), std::round(centre[2])};
+  }
+  facts_.sceneRadius = static_cast<float>(extent > 0 ? extent * 0.866 : 1.0);
+
+  // Emissive triangles need their records, which are only on the device.
+  std::vector<EmissiveTriangles> emissive;
+  std::vector<std::pair<std::size_t, uint32_t>> emissiveOwner;
+  for (std::size_t g = 0; g < plans.size(); ++g) {
+    if (!plans[g].emissive) continue;
+    std::vector<bvh::TriangleRecord> records(plans[g].mesh->triangles.count);
+    if (Status s = geometry.triangles.Read(plans[g].mesh->triangles.first, std::as_writable_bytes(std::span(records))); !s) return s;
+    for (std::size_t i = 0; i < plans[g].data->transforms.size(); ++i) {
+      emissive.push_back(GatherEmissive(plans[g], plans[g].firstInstance + static_cast<uint32_t>(i), FirstTransform(plans[g].data->transforms[i]), records));
+      emissiveOwner.emplace_back(g, static_cast<uint32_t>(i));
+    }
+  }
+  std::vector<LightData> lights;
+  for (const auto& [id, light] : lights_) lights.push_back(light);
+  LightTable table = BuildLightTable(std::move(lights), emissive, textures, facts_.origin, facts_.sceneRadius, sink);
+  std::vector<uint32_t> itemBase(instanceCount, layout::kNoLight);
+  for (const EmissiveTriangles& e : emissive) itemBase[e.instance] = e.itemBase;
+
+  // Instance records and bounds.
+  const uint32_t total = instanceCount + static_cast<uint32_t>(table.shapes.size());
+  std::vector<uint32_t> records(static_cast<std::size_t>(total) * kRecordWords);
+  std::vector<Bounds3> bounds(total, Empty());
+  instanceRange_ = instances_.Allocate(total);
+  for (const GroupPlan& plan : plans) {
+    const InstanceData& data = *plan.data;
+    std::vector<uint8_t> singular(data.transforms.size());
+    ParallelFor(data.transforms.size(), threads, [&](std::size_t i) {
+      const uint32_t index = plan.firstInstance + static_cast<uint32_t>(i);
+      uint32_t* words = &records[static_cast<std::size_t>(index) * kRecordWords];
+      const Matrix4d transform = FirstTransform(data.transforms[i]);
+      auto inverse = InverseRows(transform, facts_.origin);
+      if (!inverse) { singular[i] = 1; return; }
+      const Rows rows = ToRows(transform, facts_.origin);
+      WriteRows(words, *inverse);
+      WriteRows(words + 16, rows);
+      uint32_t flags = layout::kKindMesh;
+      if (plan.opaque) flags |= layout::kInstanceOpaque;
+      if (Determinant3(transform) < 0) flags |= layout::kInstanceFlip;
+      if (plan.mesh->doubleSided) flags |= layout::kInstanceDoubleSided;
+      words[12] = plan.mesh->nodes.first;
+      words[13] = plan.mesh->triangles.first;
+      words[14] = flags;
+      words[15] = (data.visibility & 0xffu) | data.categories << 8;
+      words[28] = plan.mesh->record;
+      words[29] = bindingIndexRange_.first + plan.bindingIndexBase;
+      words[30] = static_cast<uint32_t>(i);
+      words[31] = itemBase[index];
+      words[32] = static_cast<uint32_t>(data.primId);
+      words[33] = static_cast<uint32_t>(i < data.instanceIds.size() ? data.instanceIds[i] : -1);
+      bounds[index] = bvh::InstanceBounds(plan.mesh->bounds, rows, *inverse);
+    });
+    const auto bad = std::count(singular.begin(), singular.end(), 1);
+    if (bad != 0 && sink) {
+      sink({Severity::Warning, "transform-singular", data.path, std::to_string(bad) + (bad == 1 ? " instance has a transform" : " instances have transforms") +
+            " that cannot be inverted; not rendered"});
+    }
+  }
+  for (std::size_t s = 0; s < table.shapes.size(); ++s) {
+    const LightShape& shape = table.shapes[s];
+    const std::size_t index = instanceCount + s;
+    uint32_t* words = &records[index * kRecordWords];
+    const Rows rows = ToRows(shape.transform, facts_.origin);
+    const Rows inverse = *InverseRows(shape.transform, facts_.origin);  // checked by BuildLightTable
+    WriteRows(words, inverse);
+    WriteRows(words + 16, rows);
+    words[14] = shape.kind | layout::kInstanceOpaque;
+    words[15] = (shape.visibleToCamera ? kVisibleToCamera : 0u) | kVisibleToIndirect;
+    words[28] = shape.light;
+    words[31] = layout::kNoLight;
+    words[32] = words[33] = 0xffffffffu;
+    bounds[index] = bvh::InstanceBounds(bvh::LightShapeBounds(shape.kind), rows, inverse);
+  }
+  bvh::InstanceBvh tlas = bvh::BuildInstanceBvh(bounds, {threads});
+  tlasRange_ = geometry.nodes.Allocate(tlas.nodes.size());
+  lightRange_ = lightRecords_.Allocate(table.lightCount);
+  itemRange_ = lightItems_.Allocate(table.itemCount);
+  distributionRange_ = lightDistribution_.Allocate(table.distribution.size());
+
+  for (Stream* stream : {&geometry.nodes, &geometry.triangles, &geometry.indices, &geometry.primvars, &geometry.meshRecords, &instances_, &bindings_,
+                         &lightRecords_, &lightItems_, &lightDistribution_}) {
+    if (Status s = stream->Fit(); !s) return s;
+  }
+  for (Status s : {geometry.nodes.Write<bvh::BvhNode4>(tlasRange_, tlas.nodes), geometry.indices.Write<uint32_t>(bindingIndexRange_, bindingIndices),
+                   geometry.primvars.Write<float>(instancePrimvarRange_, instanceValues), instances_.Write<uint32_t>(instanceRange_, records),
+                   bindings_.Write<uint32_t>(bindingRange_, bindingTexels_), lightRecords_.Write<Float4>(lightRange_, table.records),
+                   lightItems_.Write<uint32_t>(itemRange_, table.items), lightDistribution_.Write<float>(distributionRange_, table.distribution)}) {
+    if (!s) return s;
+  }
+  facts_.tlasRoot = tlasRange_.first;
+  facts_.hasGeometry = total != 0 ? 1 : 0;
+  facts_.lightItemCount = table.itemCount;
+  facts_.infiniteLightCount = table.infiniteCount;
+  facts_.lightCount = table.lightCount;
+  facts_.instances = instanceCount;
+  return {};
+}
+
+Status SceneStore::Bind(vulkan::DescriptorSet& set) {
+  using vulkan::Format;
+  struct Row { uint32_t binding; Stream* stream; Format format; };
+  for (const Row& row : {Row{8, &geometry.nodes, Format::Rgba32Uint}, {9, &geometry.triangles, Format::Rgba32Float}, {10, &instances_, Format::Rgba32Uint},
+                         {11, &geometry.meshRecords, Format::Rgba32Uint}, {12, &geometry.indices, Format::R32Uint}, {13, &geometry.primvars, Format::R32Float},
+                         {14, &bindings_, Format::Rgba32Uint}, {15, &materials.parameters, Format::Rgba32Float}, {16, &lightRecords_, Format::Rgba32Float},
+                         {17, &lightItems_, Format::Rgba32Uint}, {18, &lightDistribution_, Format::R32Float}, {19, &textures.records, Format::Rgba32Uint},
+                         {20, &textures.pageTable, Format::R32Uint}, {21, &textures.pagesRgba8, Format::Rgba8Unorm}, {22, &textures.pagesRgba16f, Format::Rgba16Float}}) {
+    if (row.stream->buffer() == nullptr) continue;
+    if (Status s = set.WriteTexels(row.binding, *row.stream->buffer(), row.format); !s) return s;
+  }
+  return {};
+}
+
+}  // namespace wavefront

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the hdWavefront authors
+// The scene as kernels see it: gathers the stores, orders everything by path, and rebuilds what depends on a change.
+#pragma once
+
+#include <map>
+#include <mutex>
+
+#include "wavefront/scene/geometry_store.h"
+#include "wavefront/scene/light_table.h"
+#include "wavefront/scene/material_table.h"
+#include "wavefront/scene/texture_store.h"
+#include "wavefront/vulkan/descriptors.h"
+
+namespace wavefront {
+
+struct SceneFacts {
+  uint32_t tlasRoot = 0, hasGeometry = 0, lightItemCount = 0, infiniteLightCount = 0, lightCount = 0;
+  float sceneRadius = 1;
+  Double3 origin;
+  uint64_t instances = 0;
+};
+
+class SceneStore {
+ public:
+  explicit SceneStore(vulkan::Device& device);
+
+  // Staging; thread-safe.
+  uint32_t CreateInstances(InstanceData data);
+  void SetInstances(uint32_t id, InstanceData data);
+  void DestroyInstances(uint32_t id);
+  LightId CreateLight(LightData light);
+  void SetLight(LightId id, LightData light);
+  void DestroyLight(LightId id);
+
+  GeometryStore geometry;
+  TextureStore textures;
+  MaterialTable materials;
+
+  // Makes staged edits real; `changed`: the image may differ. No submitted work may run.
+  Status Commit(uint32_t threads, const DiagnosticSink& sink, bool* changed);
+  Status Bind(vulkan::DescriptorSet& set);
+  const SceneFacts& facts() const { return facts_; }
+
+ private:
+  Status RebuildInstances(uint32_t threads, const DiagnosticSink& sink);
+  uint32_t BindingFor(const InstanceData& group, const ResidentMesh& mesh, uint32_t slot, uint64_t instancePrimvarKey,
+                      const std::map<std::string, PrimvarDescriptor>& instancePrimvars, bool* opaque, bool* emissive);
+
+  std::mutex mutex_;
+  std::map<uint32_t, InstanceData> groups_;
+  std::map<LightId, LightData> lights_;
+  uint32_t nextGroup_ = 0;
+  LightId nextLight_ = 0;
+  bool instancesDirty_ = true, lightsDirty_ = true;
+
+  Stream instances_, bindings_, lightRecords_, lightItems_, lightDistribution_;
+  Range instanceRange_, bindingRange_, bindingIndexRange_, instancePrimvarRange_, tlasRange_, lightRange_, itemRange_, distributionRange_;
+  std::vector<uint32_t> bindingTexels_;                 // being built
+  std::map<std::vector<uint64_t>, uint32_t> bindingCache_;  // while building
+  SceneFacts facts_;
+};
+
+}  // namespace wavefront

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the hdWavefront authors
+// Textures on the device: mip chains cut into 64 x 64 pages, a page table, one texel-buffer pool per format.
+// See kernels/lib/textures.glsl for the reader and shared/scene_layout.h for the records.
+#pragma once
+
+#include <map>
+#include <mutex>
+#include <vector>
+
+#include "wavefront/base/diagnostics.h"
+#include "wavefront/scene.h"
+#include "wavefront/scene/stream.h"
+
+namespace wavefront {
+
+// A level of a texture as floats, for importance maps.
+struct FloatImage {
+  uint32_t width = 0, height = 0;
+  std::vector<Float4> texels;  // row 0 = bottom
+};
+
+class TextureStore {
+ public:
+  explicit TextureStore(vulkan::Device& device);
+
+  // Staging; thread-safe. An image of zero size or with too few bytes becomes one magenta texel and a diagnostic at commit.
+  TextureId Create(TextureData texture);
+  void Destroy(TextureId id);
+
+  Status Commit(const DiagnosticSink& sink, bool* changed);
+  uint64_t count() const { return resident_.size(); }
+  // The first level whose larger side is at most `maxSide`. Waits for the device.
+  Result<FloatImage> ReadLevel(TextureId id, uint32_t maxSide);
+  bool Has(TextureId id) const { return resident_.count(id) != 0; }
+
+  Stream records, pageTable, pagesRgba8, pagesRgba16f;
+
+ private:
+  struct Level { uint32_t width, height, firstEntry, tailOffset; };
+  struct Resident {
+    TexelFormat format;
+    std::vector<Level> levels;
+    Range table, pages;      // pages counted in pages
+    uint32_t firstPage = 0;
+  };
+  Stream& Pool(TexelFormat format) { return format == TexelFormat::Rgba8Unorm ? pagesRgba8 : pagesRgba16f; }
+  Resident Layout(const TextureData& texture);
+  Status Upload(TextureId id, TextureData& texture);
+
+  std::mutex mutex_;
+  std::map<TextureId, TextureData> staged_;
+  std::vector<TextureId> destroyed_;
+  std::map<TextureId, Resident> resident_;
+  TextureId next_ = 0;
+};
+
+}  // namespace wavefront

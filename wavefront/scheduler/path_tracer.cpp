@@ -1,0 +1,345 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the hdWavefront authors
+#include "wavefront/scheduler/path_tracer.h"
+
+#include <algorithm>
+#include <cstring>
+
+#include "wavefront/base/check.h"
+#include "wavefront/scene/transforms.h"
+#include "wavefront/shared/counters_layout.h"
+
+namespace wavefront {
+namespace {
+
+using vulkan::MemoryKind;
+using vulkan::MemoryLocation;
+using namespace layout;
+
+constexpr std::size_t kSlots = 3;
+constexpr uint32_t kTimestamps = 4096;
+constexpr double kTargetSubmitSeconds = 0.05;
+constexpr uint32_t kMaxIterationsPerSubmit = 32;
+
+constexpr uint32_t kPathChunks = 0
+#define WAVEFRONT_PATH_CHUNK(Name, index, doc) +1
+#include "wavefront/shared/path_state.def"
+#undef WAVEFRONT_PATH_CHUNK
+    ;
+static_assert(kPathChunks <= 16, "512K paths must fit one storage-buffer binding of 128 MiB");
+constexpr uint32_t kChunkIds = 6;
+
+uint32_t DefaultPool(const vulkan::DeviceInfo& info) {
+  // Below 8K paths software Vulkan loses to dispatch costs, 32K-128K is flat; a GPU wants about a million.
+  return info.type == vulkan::DeviceType::Cpu ? 65536u : 1u << 20;
+}
+
+}  // namespace
+
+Result<std::unique_ptr<PathTracer>> PathTracer::Create(vulkan::Device& device) {
+  std::unique_ptr<PathTracer> tracer(new PathTracer(device));
+  auto kernels = KernelRegistry::Create(device);
+  if (!kernels) return kernels.error();
+  tracer->kernels_ = std::move(kernels).value();
+  auto stream = vulkan::CommandStream::Create(device, {static_cast<uint32_t>(kSlots), kTimestamps, "wavefront"});
+  if (!stream) return stream.error();
+  tracer->stream_ = std::move(stream).value();
+  auto set = vulkan::DescriptorSet::Create(device, tracer->kernels_->layout(), "wavefront");
+  if (!set) return set.error();
+  tracer->set_ = std::move(set).value();
+  tracer->inFlight_.resize(kSlots);
+  return tracer;
+}
+PathTracer::~PathTracer() { (void)Drain(); }
+
+uint32_t PathTracer::bandHeight() const { return std::min(bandRows_, settings_.height - bandY()); }
+
+Status PathTracer::Allocate(std::unique_ptr<vulkan::Buffer>& buffer, uint64_t bytes, MemoryKind kind, MemoryLocation location, const char* name) {
+  bytes = std::max<uint64_t>(16, bytes);
+  if (buffer && buffer->size() >= bytes && buffer->size() <= 2 * bytes + 4096) return {};
+  buffer.reset();
+  auto created = vulkan::Buffer::Create(device_, {bytes, kind, location, name});
+  if (!created) return created.error();
+  buffer = std::move(created).value();
+  return {};
+}
+
+Status PathTracer::Configure(const RenderSettings& settings, const CameraData& camera, SceneStore& scene, unsigned threads) {
+  if (Status s = Drain(); !s) return s;
+  settings_ = settings;
+  camera_ = camera;
+  facts_ = scene.facts();
+  film_ = MakeFilmLayout(settings.aovs);
+
+  const uint64_t range = device_.info().limits.maxStorageBufferRange;
+  const uint64_t poolLimit = std::min<uint64_t>(range / (16 * kPathChunks), device_.info().limits.maxTexelBufferElements / kPathChunks);
+  const uint64_t wanted = settings.poolSize != 0 ? settings.poolSize : DefaultPool(device_.info());
+  poolSize_ = static_cast<uint32_t>(std::clamp<uint64_t>(wanted, 64, poolLimit));
+  // No more paths than there is work: a small image needs no big pool.
+  const uint64_t work = static_cast<uint64_t>(settings.width) * settings.height * settings.samples;
+  if (settings.poolSize == 0) poolSize_ = static_cast<uint32_t>(std::min<uint64_t>(poolSize_, std::max<uint64_t>(4096, (work + 63) / 64 * 64)));
+
+  // Rows that a film binding holds; a larger image renders in bands.
+  const uint64_t rowBytes = static_cast<uint64_t>(settings.width) * std::max<uint64_t>({film_.sumChannels * 8ull, film_.firstChannels * 4ull, 16ull});
+  const uint64_t rows = range / rowBytes;
+  if (rows == 0) return Error{"the image is too wide for this device's buffers: " + std::to_string(settings.width) + " pixels"};
+  bandRows_ = static_cast<uint32_t>(std::min<uint64_t>(rows, settings.height));
+  band_ = 0;
+  const uint64_t pixels = static_cast<uint64_t>(settings.width) * bandRows_;
+  if (pixels > 0x3fffffffu) return Error{"the image is too large"};
+
+  const uint64_t pool = poolSize_;
+  bucketCount_ = kFirstMaterialBucket + static_cast<uint32_t>(scene.materials.buckets().size());
+  const uint64_t counterBytes = 4ull * (kBucketBase + static_cast<uint64_t>(kBucketStride) * bucketCount_);
+  struct Row { std::unique_ptr<vulkan::Buffer>* buffer; uint64_t bytes; MemoryKind kind; MemoryLocation location; const char* name; };
+  for (const Row& row : {Row{&pathState_, pool * 16 * kPathChunks, MemoryKind::PathState, MemoryLocation::DeviceLocal, "path state"},
+                         {&queues_, pool * 4 * kItemArrays, MemoryKind::Queues, MemoryLocation::DeviceLocal, "queue items"},
+                         {&counters_, counterBytes, MemoryKind::Queues, MemoryLocation::DeviceLocal, "counters"},
+                         {&readback_, counterBytes * kSlots, MemoryKind::Queues, MemoryLocation::HostVisible, "status"},
+                         {&filmSums_, pixels * film_.sumChannels * 8, MemoryKind::Film, MemoryLocation::DeviceLocal, "film sums"},
+                         {&filmFirst_, pixels * film_.firstChannels * 4, MemoryKind::Film, MemoryLocation::DeviceLocal, "film first samples"},
+                         {&resolved_, pixels * 16, MemoryKind::Film, MemoryLocation::DeviceLocal, "resolved AOV"},
+                         {&frame_, sizeof(FrameConstants), MemoryKind::Tables, MemoryLocation::HostVisible, "frame constants"}}) {
+    if (Status s = Allocate(*row.buffer, row.bytes, row.kind, row.location, row.name); !s) return s;
+  }
+  for (Status s : {set_->Write(0, *frame_), set_->Write(1, *pathState_), set_->WriteTexels(2, *pathState_, vulkan::Format::Rgba32Uint),
+                   set_->Write(3, *counters_), set_->Write(4, *queues_), set_->Write(5, *filmSums_), set_->Write(6, *filmFirst_),
+                   set_->Write(7, *resolved_), scene.Bind(*set_)}) {
+    if (!s) return s;
+  }
+  if (Status s = WriteFrameConstants(); !s) return s;
+  return kernels_->AddBuckets(scene.materials.buckets(), threads, *stream_, *set_);
+}
+
+Status PathTracer::WriteFrameConstants() {
+  FrameConstants f{};
+  const Matrix4d transform = camera_.transforms.empty() ? Matrix4d{} : camera_.transforms.front().value;
+  const Rows rows = ToRows(transform, facts_.origin);
+  auto row = [](const Float4& r) { return vec4{r.x, r.y, r.z, r.w}; };
+  f.cameraToWorld0 = row(rows[0]); f.cameraToWorld1 = row(rows[1]); f.cameraToWorld2 = row(rows[2]);
+  f.window = {camera_.left, camera_.right, camera_.bottom, camera_.top};
+  f.nearClip = camera_.nearClip; f.farClip = camera_.farClip;
+  f.lensRadius = camera_.lensRadius; f.focusDistance = camera_.focusDistance;
+  f.exposureScale = camera_.exposureScale;
+  const float pixelWidth = std::abs(camera_.right - camera_.left) / static_cast<float>(settings_.width);
+  f.pixelSpread = camera_.orthographic ? 0.0f : pixelWidth;
+  f.pixelWidth = camera_.orthographic ? pixelWidth : 0.0f;
+  f.orthographic = camera_.orthographic ? 1u : 0u;
+  f.width = settings_.width; f.height = settings_.height;
+  f.bandY = bandY(); f.bandHeight = bandHeight();
+  f.rangeFirstSample = settings_.firstSample;
+  f.seed = settings_.seed;
+  f.maxBounces = std::min(settings_.maxBounces, 254u);
+  f.rouletteBounce = settings_.rouletteBounce;
+  f.maxTransparency = std::min(settings_.maxTransparency, 254u);
+  f.flags = (settings_.cameraVisibleDome ? kFrameDomeVisible : 0u) | (settings_.shadows ? kFrameShadows : 0u);
+  f.radianceClamp = settings_.radianceClamp;
+  f.shutterOpen = camera_.shutterOpen; f.shutterClose = camera_.shutterClose;
+  f.poolSize = poolSize_;
+  f.bucketCount = bucketCount_;
+  f.lightItemCount = facts_.lightItemCount; f.infiniteLightCount = facts_.infiniteLightCount; f.lightCount = facts_.lightCount;
+  f.hasGeometry = facts_.hasGeometry; f.sceneRadius = facts_.sceneRadius; f.tlasRoot = facts_.tlasRoot;
+  f.sumChannels = film_.sumChannels; f.firstChannels = film_.firstChannels;
+  f.colorChannel = film_.of(Aov::Color); f.countChannel = film_.of(Aov::SampleCount);
+  f.albedoChannel = film_.of(Aov::Albedo); f.normalChannel = film_.of(Aov::Normal);
+  f.depthChannel = film_.of(Aov::Depth); f.cameraDepthChannel = film_.of(Aov::CameraDepth);
+  f.primIdChannel = film_.of(Aov::PrimId); f.instanceIdChannel = film_.of(Aov::InstanceId); f.elementIdChannel = film_.of(Aov::ElementId);
+  return frame_->Upload(0, std::as_bytes(std::span(&f, 1)));
+}
+
+Status PathTracer::BeginRecording() {
+  if (auto waited = stream_->Wait(stream_->nextFreeAt()); !waited) return waited.error();
+  return stream_->Begin();
+}
+
+Status PathTracer::BeginBand(uint32_t band) {
+  if (Status s = Drain(); !s) return s;
+  band_ = band;
+  if (band == 0) { before_ = {}; status_ = {}; }
+  else before_ = status_;
+  if (Status s = WriteFrameConstants(); !s) return s;
+  batchEnd_ = settings_.samplesPerBatch == 0 ? settings_.firstSample + settings_.samples
+                                             : settings_.firstSample + std::min(settings_.samples, settings_.samplesPerBatch);
+  raiseBatch_ = false;
+  if (Status s = BeginRecording(); !s) return s;
+  stream_->Fill(*filmSums_, 0, 0, 0);
+  // FirstSample channels start at their AOV's clear value.
+  if (film_.firstChannels != 0) {
+    std::vector<uint32_t> clear(static_cast<std::size_t>(settings_.width) * bandHeight() * film_.firstChannels);
+    for (std::size_t i = 0; i < clear.size(); ++i) clear[i] = film_.firstClear[i % film_.firstChannels];
+    if (Status s = filmFirst_->Upload<uint32_t>(0, clear); !s) return s;
+  }
+  stream_->Fill(*pathState_, static_cast<uint64_t>(kChunkIds) * poolSize_ * 16, static_cast<uint64_t>(poolSize_) * 16, 0);
+  stream_->Fill(*counters_, 0, 0, 0);
+  stream_->Barrier();
+  const uint32_t work[3] = {settings_.firstSample, 0, batchEnd_};
+  stream_->Update(*counters_, 4 * kWorkSample, std::as_bytes(std::span(work)));
+  auto value = stream_->Submit();
+  if (!value) return value.error();
+  auto done = stream_->Wait(value.value());
+  return done ? Status() : Status(done.error());
+}
+
+void PathTracer::RecordIteration(std::vector<uint32_t>* rows) {
+  const uint32_t poolGroups = (poolSize_ + 63) / 64;
+  auto stamp = [&](uint32_t row) {
+    if (stream_->Timestamp() != vulkan::CommandStream::kNoTimestamp) rows->push_back(row);
+  };
+  auto row = [](Kernel k) { return static_cast<uint32_t>(k); };
+  auto direct = [&](Kernel k, uint32_t groups) {
+    stream_->BindPipeline(kernels_->fixed(k));
+    stream_->Dispatch(groups);
+    stream_->Barrier();
+    stamp(row(k));
+  };
+  direct(Kernel::Logic, poolGroups);
+  direct(Kernel::ScanBuckets, 1);
+  direct(Kernel::Scatter, poolGroups);
+  // New paths and all materials between two barriers.
+  stream_->BindPipeline(kernels_->fixed(Kernel::NewPath));
+  stream_->DispatchIndirect(*counters_, 4ull * (kBucketBase + kBucketNewPath * kBucketStride + kBucketArgs));
+  stamp(row(Kernel::NewPath));
+  for (uint32_t b = 0; b + kFirstMaterialBucket < bucketCount_; ++b) {
+    const uint32_t bucket = b + kFirstMaterialBucket;
+    const uint32_t push[4] = {bucket, 0, 0, 0};
+    stream_->BindPipeline(kernels_->bucket(b));
+    stream_->PushConstants(std::as_bytes(std::span(push)));
+    stream_->DispatchIndirect(*counters_, 4ull * (kBucketBase + static_cast<uint64_t>(bucket) * kBucketStride + kBucketArgs));
+    stamp(kKernelCount + b);
+  }
+  stream_->Barrier();
+  direct(Kernel::ResetBuckets, (std::max(bucketCount_, 2u) + 63) / 64);
+  auto rays = [&](Kernel k, uint32_t queue) {
+    stream_->BindPipeline(kernels_->fixed(k));
+    stream_->DispatchIndirect(*counters_, 4ull * (kQueueBase + queue * kQueueStride + kQueueArgs));
+    stamp(row(k));
+  };
+  rays(Kernel::ExtensionRay, 0);
+  // The shadow kernel changes Ids, which the extension kernel reads: not side by side.
+  stream_->Barrier();
+  rays(Kernel::ShadowRay, 1);
+  stream_->Barrier();
+}
+
+Status PathTracer::Step(bool* done) {
+  *done = false;
+  InFlight& slot = inFlight_[nextSlot_];
+  if (slot.value != 0) {
+    if (Status s = Collect(nextSlot_); !s) return s;
+    if (status_.drained) {
+      if (batchEnd_ >= settings_.firstSample + settings_.samples) {
+        *done = true;
+        return Drain();
+      }
+      if (Status s = Drain(); !s) return s;
+      if (status_.drained) {
+        batchEnd_ = std::min(batchEnd_ + settings_.samplesPerBatch, settings_.firstSample + settings_.samples);
+        raiseBatch_ = true;
+      }
+    }
+  }
+  if (Status s = BeginRecording(); !s) return s;
+  if (raiseBatch_) {
+    stream_->Update(*counters_, 4 * kWorkEndSample, std::as_bytes(std::span(&batchEnd_, 1)));
+    stream_->Barrier();
+    raiseBatch_ = false;
+    status_.drained = false;
+  }
+  const uint32_t nothing[4] = {};
+  stream_->BindSet(*set_);
+  stream_->PushConstants(std::as_bytes(std::span(nothing)));
+  slot.rows.clear();
+  stream_->Timestamp();
+  const uint32_t perIteration = kKernelCount + bucketCount_;
+  const uint32_t fit = std::max(1u, kTimestamps / (perIteration + 1));
+  slot.iterations = std::min(iterationsPerSubmit_, fit);
+  for (uint32_t i = 0; i < slot.iterations; ++i) RecordIteration(&slot.rows);
+  const uint64_t bytes = 4ull * (kBucketBase + static_cast<uint64_t>(kBucketStride) * bucketCount_);
+  stream_->Copy(*counters_, 0, *readback_, nextSlot_ * bytes, bytes);
+  auto value = stream_->Submit();
+  if (!value) return value.error();
+  slot.value = value.value();
+  ++submits_;
+  nextSlot_ = (nextSlot_ + 1) % kSlots;
+  return {};
+}
+
+Status PathTracer::Collect(std::size_t index) {
+  InFlight& slot = inFlight_[index];
+  if (slot.value == 0) return {};
+  auto waited = stream_->Wait(slot.value);
+  if (!waited) return waited.error();
+  timestamps_.resize(slot.rows.size() + 1);
+  auto count = stream_->ReadTimestamps(slot.value, timestamps_);
+  if (count.ok() && count.value() > 1) {
+    for (uint32_t i = 1; i < count.value(); ++i) {
+      KernelTimes& times = kernels_->times()[slot.rows[i - 1]];
+      times.seconds += std::max(0.0, timestamps_[i] - timestamps_[i - 1]) * 1e-9;
+      ++times.dispatches;
+    }
+    // Aim at a submit that is long enough to hide its cost and short enough to answer the host.
+    const double seconds = (timestamps_[count.value() - 1] - timestamps_[0]) * 1e-9;
+    const double each = std::max(1e-6, seconds / slot.iterations);
+    iterationsPerSubmit_ = std::clamp(static_cast<uint32_t>(kTargetSubmitSeconds / each), 1u, kMaxIterationsPerSubmit);
+  }
+  const uint64_t bytes = 4ull * (kBucketBase + static_cast<uint64_t>(kBucketStride) * bucketCount_);
+  const std::span<std::byte> mapped = readback_->Map();
+  std::vector<uint32_t> counters(bytes / 4);
+  std::memcpy(counters.data(), mapped.data() + index * bytes, bytes);
+  ReadStatus(counters.data());
+  slot.value = 0;
+  return {};
+}
+
+void PathTracer::ReadStatus(const uint32_t* c) {
+  auto u64 = [&](uint32_t at) { return c[at] | static_cast<uint64_t>(c[at + 1]) << 32; };
+  status_.errorFlags = before_.errorFlags | c[kErrorFlags];
+  status_.active = c[kActivePaths];
+  status_.pathsStarted = before_.pathsStarted + u64(kPathsDoneLo);
+  status_.iterations = before_.iterations + c[kIterations];
+  status_.drained = c[kActivePaths] == 0 && c[kWorkSample] >= c[kWorkEndSample] && c[kWorkEndSample] == batchEnd_ && c[kIterations] != 0;
+  status_.extensionRays = before_.extensionRays + u64(kQueueBase + kQueueItemsLo);
+  status_.shadowRays = before_.shadowRays + u64(kQueueBase + kQueueStride + kQueueItemsLo);
+  status_.extensionPeak = std::max(before_.extensionPeak, c[kQueueBase + kQueuePeak]);
+  status_.shadowPeak = std::max(before_.shadowPeak, c[kQueueBase + kQueueStride + kQueuePeak]);
+  status_.bucketItems.resize(bucketCount_);
+  for (uint32_t b = 0; b < bucketCount_; ++b) {
+    const uint64_t earlier = b < before_.bucketItems.size() ? before_.bucketItems[b] : 0;
+    status_.bucketItems[b] = earlier + u64(kBucketBase + b * kBucketStride + kBucketItemsLo);
+  }
+}
+
+Status PathTracer::Drain() {
+  for (std::size_t i = 0; i < kSlots; ++i) {
+    if (Status s = Collect((nextSlot_ + i) % kSlots); !s) return s;
+  }
+  return {};
+}
+
+Status PathTracer::ReadBand(RawFilm* film) {
+  if (Status s = Drain(); !s) return s;
+  const std::size_t pixels = static_cast<std::size_t>(settings_.width) * bandHeight();
+  const std::size_t start = static_cast<std::size_t>(settings_.width) * bandY();
+  if (Status s = filmSums_->Download(0, std::as_writable_bytes(std::span(film->sums).subspan(start * film_.sumChannels, pixels * film_.sumChannels))); !s) return s;
+  if (film_.firstChannels == 0) return {};
+  return filmFirst_->Download(0, std::as_writable_bytes(std::span(film->first).subspan(start * film_.firstChannels, pixels * film_.firstChannels)));
+}
+
+Status PathTracer::ResolveBand(Aov aov, std::vector<uint32_t>* bits) {
+  const AovInfo& info = Aovs()[static_cast<uint32_t>(aov)];
+  const uint32_t pixels = settings_.width * bandHeight();
+  const uint32_t push[4] = {film_.of(aov), info.components, info.rule == AovRule::FirstSample ? 0u : aov == Aov::SampleCount ? 2u : 1u, 0};
+  if (Status s = Drain(); !s) return s;
+  if (Status s = BeginRecording(); !s) return s;
+  stream_->BindSet(*set_);
+  stream_->BindPipeline(kernels_->fixed(Kernel::Resolve));
+  stream_->PushConstants(std::as_bytes(std::span(push)));
+  stream_->Dispatch((pixels + 63) / 64);
+  auto value = stream_->Submit();
+  if (!value) return value.error();
+  if (auto waited = stream_->Wait(value.value()); !waited) return waited.error();
+  bits->resize(static_cast<std::size_t>(pixels) * info.components);
+  return resolved_->Download(0, std::as_writable_bytes(std::span(*bits)));
+}
+
+}  // namespace wavefront

@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the hdWavefront authors
+// The wavefront loop: the path pool, the queues and the film of one band of the image, and submits of K iterations.
+// Nothing here waits inside the loop: the host reads one status block per submit, two submits behind.
+#pragma once
+
+#include <array>
+#include <memory>
+#include <vector>
+
+#include "wavefront/renderer.h"
+#include "wavefront/scene/scene_commit.h"
+#include "wavefront/scheduler/kernel_registry.h"
+#include "wavefront/shared/film_layout.h"
+#include "wavefront/vulkan/command_stream.h"
+
+namespace wavefront {
+
+struct LoopStatus {
+  uint32_t errorFlags = 0;
+  bool drained = false;           // nothing in flight and no work left for the current limit
+  uint64_t pathsStarted = 0, active = 0;
+  uint64_t extensionRays = 0, shadowRays = 0, iterations = 0;
+  uint32_t extensionPeak = 0, shadowPeak = 0;
+  std::vector<uint64_t> bucketItems;  // new paths, then material buckets
+};
+
+// One thread at a time.
+class PathTracer {
+ public:
+  static Result<std::unique_ptr<PathTracer>> Create(vulkan::Device& device);
+  ~PathTracer();
+
+  KernelRegistry& kernels() { return *kernels_; }
+  uint32_t poolSize() const { return poolSize_; }
+  uint32_t bandRows() const { return bandRows_; }    // rows of the image that one band holds
+  uint32_t bandCount() const { return bandRows_ == 0 ? 0 : (settings_.height + bandRows_ - 1) / bandRows_; }
+  const FilmLayout& film() const { return film_; }
+
+  // Sizes pool and film for the settings, binds the scene, creates missing pipelines. Nothing may be in flight.
+  Status Configure(const RenderSettings& settings, const CameraData& camera, SceneStore& scene, unsigned threads);
+  // Clears the film and the pool, and starts at the first sample of the band.
+  Status BeginBand(uint32_t band);
+  // Submits some iterations and reads the status of an older submit. `done`: all samples of the band are in the film.
+  Status Step(bool* done);
+  // Waits until nothing is in flight on the device (paths stay in the pool).
+  Status Drain();
+  // The band's sums into the film of the whole image; drains.
+  Status ReadBand(RawFilm* film);
+  // Resolved values of the band: rows x width x components words; drains.
+  Status ResolveBand(Aov aov, std::vector<uint32_t>* bits);
+
+  // Of all bands so far.
+  const LoopStatus& status() const { return status_; }
+  uint64_t submits() const { return submits_; }
+  uint32_t bandY() const { return band_ * bandRows_; }
+  uint32_t bandHeight() const;
+
+ private:
+  explicit PathTracer(vulkan::Device& device) : device_(device) {}
+  Status Allocate(std::unique_ptr<vulkan::Buffer>& buffer, uint64_t bytes, vulkan::MemoryKind kind, vulkan::MemoryLocation location, const char* name);
+  Status WriteFrameConstants();
+  Status BeginRecording();
+  void RecordIteration(std::vector<uint32_t>* rows);
+  Status Collect(std::size_t slot);
+  void ReadStatus(const uint32_t* counters);
+
+  struct InFlight {
+    uint64_t value = 0;
+    std::vector<uint32_t> rows;  // profiler row of each timestamp interval
+    uint32_t iterations = 0;
+  };
+
+  vulkan::Device& device_;
+  std::unique_ptr<KernelRegistry> kernels_;
+  std::unique_ptr<vulkan::CommandStream> stream_;
+  std::unique_ptr<vulkan::DescriptorSet> set_;
+  std::unique_ptr<vulkan::Buffer> pathState_, queues_, counters_, filmSums_, filmFirst_, resolved_, frame_, readback_;
+  RenderSettings settings_;
+  CameraData camera_;
+  SceneFacts facts_;
+  FilmLayout film_;
+  uint32_t poolSize_ = 0, bandRows_ = 0, band_ = 0, bucketCount_ = 0;
+  uint32_t batchEnd_ = 0;
+  bool raiseBatch_ = false;
+  uint32_t iterationsPerSubmit_ = 1;
+  std::vector<InFlight> inFlight_;
+  std::size_t nextSlot_ = 0;
+  LoopStatus status_, before_;       // before_: sums of earlier bands
+  uint64_t submits_ = 0;
+  std::vector<double> timestamps_;
+};
+
+}  // namespace wavefront

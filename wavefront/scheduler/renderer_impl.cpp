@@ -1,0 +1,392 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the hdWavefront authors
+#include "wavefront/scheduler/renderer_impl.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+#include "wavefront/base/parallel.h"
+#include "wavefront/scheduler/color_kernel.h"
+#include "wavefront/shared/counters_layout.h"
+
+namespace wavefront {
+namespace {
+
+// Equal values must not restart a render, so settings and cameras are compared field by field.
+bool SameCamera(const CameraData& a, const CameraData& b) {
+  if (a.transforms.size() != b.transforms.size()) return false;
+  for (std::size_t i = 0; i < a.transforms.size(); ++i) {
+    if (a.transforms[i].time != b.transforms[i].time || a.transforms[i].value.m != b.transforms[i].value.m) return false;
+  }
+  auto tie = [](const CameraData& c) {
+    return std::tie(c.orthographic, c.left, c.right, c.bottom, c.top, c.nearClip, c.farClip, c.lensRadius, c.focusDistance, c.exposureScale,
+                    c.shutterOpen, c.shutterClose);
+  };
+  return tie(a) == tie(b);
+}
+bool SameSettings(const RenderSettings& a, const RenderSettings& b) {
+  auto tie = [](const RenderSettings& s) {
+    return std::tie(s.width, s.height, s.firstSample, s.samples, s.maxBounces, s.rouletteBounce, s.maxTransparency, s.seed, s.poolSize,
+                    s.samplesPerBatch, s.radianceClamp, s.cameraVisibleDome, s.shadows, s.aovs);
+  };
+  return tie(a) == tie(b);
+}
+
+}  // namespace
+
+Result<std::unique_ptr<Renderer>> Renderer::Create(const RendererOptions& options) { return RendererImpl::Make(options); }
+
+Result<std::unique_ptr<Renderer>> RendererImpl::Make(const RendererOptions& options) {
+  std::unique_ptr<RendererImpl> renderer(new RendererImpl(options));
+  auto device = vulkan::Device::Create({options.device, options.validation, options.memoryBudget, false, {}});
+  if (!device) return device.error();
+  renderer->device_ = std::move(device).value();
+  renderer->scene_ = std::make_unique<SceneStore>(*renderer->device_);
+  auto tracer = PathTracer::Create(*renderer->device_);
+  if (!tracer) return tracer.error();
+  renderer->tracer_ = std::move(tracer).value();
+  return std::unique_ptr<Renderer>(std::move(renderer));
+}
+
+RendererImpl::~RendererImpl() {
+  Stop();
+  std::lock_guard lock(deviceMutex_);
+  tracer_.reset();
+  scene_.reset();
+}
+
+void RendererImpl::SetCamera(const CameraData& camera) {
+  std::lock_guard lock(stagingMutex_);
+  if (!cameraDirty_ && SameCamera(camera, stagedCamera_)) return;
+  stagedCamera_ = camera;
+  cameraDirty_ = true;
+}
+void RendererImpl::SetRenderSettings(const RenderSettings& settings) {
+  std::lock_guard lock(stagingMutex_);
+  if (!settingsDirty_ && SameSettings(settings, stagedSettings_)) return;
+  stagedSettings_ = settings;
+  settingsDirty_ = true;
+}
+
+Status RendererImpl::Commit() {
+  const auto start = Clock::now();
+  const bool wasRunning = progress().running;
+  Stop();
+  std::lock_guard device(deviceMutex_);
+  if (Status s = tracer_->Drain(); !s) return s;
+  const unsigned threads = options_.threads != 0 ? options_.threads : DefaultThreadCount();
+  bool changed = false;
+  if (Status s = scene_->Commit(threads, options_.diagnostics, &changed); !s) return s;
+  {
+    std::lock_guard lock(stagingMutex_);
+    changed = changed || cameraDirty_ || settingsDirty_ || !configured_;
+    settings_ = stagedSettings_;
+    camera_ = stagedCamera_;
+    cameraDirty_ = settingsDirty_ = false;
+  }
+  if (changed) {
+    if (settings_.width == 0 || settings_.height == 0) return Error{"the image has no pixels: " + std::to_string(settings_.width) + " x " + std::to_string(settings_.height)};
+    if (static_cast<uint64_t>(settings_.firstSample) + settings_.samples > 0xffffffffull) return Error{"the sample range ends past 2^32"};
+    configured_ = false;
+    if (Status s = tracer_->Configure(settings_, camera_, *scene_, threads); !s) return s;
+    configured_ = true;
+    ++version_;
+    band_ = 0;
+    bandBegun_ = false;
+    reportedFlags_ = 0;
+    film_ = {};
+    std::lock_guard lock(stateMutex_);
+    converged_ = false;
+    secondsBefore_ = 0;
+    error_ = {};
+    progress_ = {};
+    progress_.pathsTotal = static_cast<uint64_t>(settings_.width) * settings_.height * settings_.samples;
+  }
+  commitSeconds_ = std::chrono::duration<double>(Clock::now() - start).count();
+  Publish();
+  (void)wasRunning;  // the host starts again: Start belongs to the controlling thread
+  return {};
+}
+
+Status RendererImpl::Start() {
+  std::unique_lock lock(stateMutex_);
+  if (running_ || converged_) return {};
+  if (!configured_) return Error{"nothing was committed yet"};
+  lock.unlock();
+  if (thread_.joinable()) thread_.join();
+  lock.lock();
+  error_ = {};
+  stopRequested_ = false;
+  paused_ = false;
+  running_ = true;
+  runStart_ = Clock::now();
+  thread_ = std::thread([this] { Run(); });
+  return {};
+}
+
+void RendererImpl::Pause() {
+  std::lock_guard lock(stateMutex_);
+  if (!running_ || paused_) return;
+  secondsBefore_ = SecondsLocked();
+  paused_ = true;
+}
+void RendererImpl::Resume() {
+  std::lock_guard lock(stateMutex_);
+  if (!paused_) return;
+  paused_ = false;
+  runStart_ = Clock::now();
+  stateChanged_.notify_all();
+}
+void RendererImpl::Stop() {
+  {
+    std::lock_guard lock(stateMutex_);
+    stopRequested_ = true;
+    stateChanged_.notify_all();
+  }
+  if (thread_.joinable()) thread_.join();
+}
+bool RendererImpl::WaitUntilDone(double timeoutSeconds) {
+  std::unique_lock lock(stateMutex_);
+  return stateChanged_.wait_for(lock, std::chrono::duration<double>(std::clamp(timeoutSeconds, 0.0, 1e9)), [this] { return !running_; });
+}
+Status RendererImpl::status() const {
+  std::lock_guard lock(stateMutex_);
+  return error_;
+}
+double RendererImpl::SecondsLocked() const {
+  return running_ && !paused_ ? secondsBefore_ + std::chrono::duration<double>(Clock::now() - runStart_).count() : secondsBefore_;
+}
+Progress RendererImpl::progress() const {
+  std::lock_guard lock(stateMutex_);
+  Progress p = progress_;
+  p.seconds = SecondsLocked();
+  p.running = running_;
+  p.paused = paused_;
+  p.converged = converged_;
+  return p;
+}
+bool RendererImpl::IsConverged() const {
+  std::lock_guard lock(stateMutex_);
+  return converged_;
+}
+
+void RendererImpl::Run() {
+  Status result = RenderUntilStopped();
+  std::lock_guard lock(stateMutex_);
+  secondsBefore_ = SecondsLocked();
+  if (!result) error_ = result;
+  running_ = false;
+  stateChanged_.notify_all();
+}
+
+Status RendererImpl::RenderUntilStopped() {
+  for (;;) {
+    {
+      std::unique_lock lock(stateMutex_);
+      stateChanged_.wait(lock, [this] { return !paused_ || stopRequested_; });
+      if (stopRequested_) break;
+    }
+    // Let a mapping thread in: a mutex alone would starve it.
+    while (deviceWaiters_.load() != 0) std::this_thread::yield();
+    std::lock_guard device(deviceMutex_);
+    if (!bandBegun_) {
+      if (settings_.samples == 0) break;
+      if (Status s = tracer_->BeginBand(band_); !s) return s;
+      bandBegun_ = true;
+    }
+    bool done = false;
+    if (Status s = tracer_->Step(&done); !s) return s;
+    Publish();
+    if (!done) continue;
+    if (tracer_->bandCount() > 1) {
+      if (film_.sums.empty()) {
+        film_.sums.resize(static_cast<std::size_t>(settings_.width) * settings_.height * tracer_->film().sumChannels);
+        film_.first.resize(static_cast<std::size_t>(settings_.width) * settings_.height * tracer_->film().firstChannels);
+      }
+      if (Status s = tracer_->ReadBand(&film_); !s) return s;
+    }
+    if (band_ + 1 < tracer_->bandCount()) {
+      ++band_;
+      bandBegun_ = false;
+      continue;
+    }
+    ReportErrorFlags();
+    std::lock_guard lock(stateMutex_);
+    converged_ = true;
+    progress_.samplesDone = settings_.samples;
+    progress_.pathsDone = progress_.pathsTotal;
+    return {};
+  }
+  std::lock_guard device(deviceMutex_);
+  Status s = tracer_->Drain();
+  Publish();
+  ReportErrorFlags();
+  return s;
+}
+
+void RendererImpl::ReportErrorFlags() {
+  const uint32_t fresh = tracer_->status().errorFlags & ~reportedFlags_;
+  reportedFlags_ |= fresh;
+  if (!options_.diagnostics) return;
+  auto report = [&](uint32_t flag, const char* code, const char* text) {
+    if ((fresh & flag) != 0) options_.diagnostics({Severity::Warning, code, "render", text});
+  };
+  report(layout::kErrorTraversalBudget, "render-traversal-budget", "some rays gave up in the BVH; parts of the picture may be missing");
+  report(layout::kErrorStackOverflow, "render-stack", "a ray needed more stack than there is; parts of the picture may be missing");
+  report(layout::kErrorNonFinite, "render-non-finite", "some samples were not finite numbers and count as black");
+  report(layout::kErrorTransparency, "render-transparency-limit", "some rays met more transparent surfaces than the limit; what lies behind them counts as black");
+  report(layout::kErrorMediaStack, "render-media-stack", "more than four transmissive bodies lie inside each other; the innermost absorb nothing");
+}
+
+// Copies what the render thread knows to where any thread may read it. Device mutex held.
+void RendererImpl::Publish() {
+  const LoopStatus& loop = tracer_->status();
+  RenderStats s;
+  for (const KernelTimes& t : tracer_->kernels().times()) {
+    s.kernels.push_back({t.name, t.seconds * 1e3, 0, t.dispatches, t.createSeconds * 1e3, t.firstDispatchSeconds * 1e3});
+  }
+  auto items = [&](Kernel k, uint64_t n) { s.kernels[static_cast<uint32_t>(k)].items = n; };
+  items(Kernel::Logic, loop.iterations * tracer_->poolSize());
+  items(Kernel::Scatter, loop.iterations * tracer_->poolSize());
+  items(Kernel::NewPath, loop.pathsStarted);
+  items(Kernel::ExtensionRay, loop.extensionRays);
+  items(Kernel::ShadowRay, loop.shadowRays);
+  for (std::size_t b = layout::kFirstMaterialBucket; b < loop.bucketItems.size(); ++b) {
+    const std::size_t row = kKernelCount + b - layout::kFirstMaterialBucket;
+    if (row < s.kernels.size()) s.kernels[row].items = loop.bucketItems[b];
+  }
+  s.queues = {{"newPath", loop.pathsStarted, 0}, {"extensionRay", loop.extensionRays, loop.extensionPeak}, {"shadowRay", loop.shadowRays, loop.shadowPeak}};
+  for (std::size_t b = layout::kFirstMaterialBucket; b < loop.bucketItems.size(); ++b) {
+    const std::size_t row = kKernelCount + b - layout::kFirstMaterialBucket;
+    if (row < s.kernels.size()) s.queues.push_back({s.kernels[row].name, loop.bucketItems[b], 0});
+  }
+  s.paths = loop.pathsStarted - std::min(loop.pathsStarted, loop.active);
+  s.segments = loop.extensionRays;
+  s.extensionRays = loop.extensionRays;
+  s.shadowRays = loop.shadowRays;
+  s.iterations = loop.iterations;
+  s.submits = tracer_->submits();
+  s.commitSeconds = commitSeconds_;
+  s.bvhSeconds = scene_->geometry.bvhSeconds();
+  s.triangles = scene_->geometry.triangleCount();
+  s.instances = scene_->facts().instances;
+  s.lights = scene_->facts().lightCount;
+  s.lightItems = scene_->facts().lightItemCount;
+  s.materials = scene_->materials.count();
+  s.textures = scene_->textures.count();
+  s.validationMessages = vulkan::ValidationMessageCount();
+  s.errorFlags = loop.errorFlags;
+  s.poolSize = tracer_->poolSize();
+  const vulkan::MemoryByKind memory = device_->memoryByKind();
+  for (std::size_t k = 0; k < vulkan::kMemoryKindCount; ++k) {
+    const std::string name(vulkan::MemoryKindName(static_cast<vulkan::MemoryKind>(k)));
+    s.memoryBytes[name] = memory[k].current;
+    s.memoryPeakBytes[name] = memory[k].peak;
+  }
+  std::lock_guard lock(stateMutex_);
+  stats_ = std::move(s);
+  progress_.pathsDone = stats_.paths;
+  const uint64_t pixels = static_cast<uint64_t>(settings_.width) * settings_.height;
+  if (pixels != 0 && !converged_) progress_.samplesDone = static_cast<uint32_t>(stats_.paths / pixels);
+}
+
+RenderStats RendererImpl::stats() const {
+  std::lock_guard lock(stateMutex_);
+  RenderStats s = stats_;
+  s.renderSeconds = SecondsLocked();
+  return s;
+}
+
+namespace {
+// Announces a thread that wants the device between two steps of the loop.
+class DeviceTurn {
+ public:
+  DeviceTurn(std::mutex& mutex, std::atomic<int>& waiters) : waiters_(waiters), lock_(mutex, std::defer_lock) {
+    ++waiters_;
+    lock_.lock();
+    --waiters_;
+  }
+
+ private:
+  std::atomic<int>& waiters_;
+  std::unique_lock<std::mutex> lock_;
+};
+}  // namespace
+
+Result<AovImage> RendererImpl::Map(Aov aov) {
+  DeviceTurn turn(deviceMutex_, deviceWaiters_);
+  if (!configured_) return Error{"nothing was committed yet"};
+  if (tracer_->film().of(aov) == layout::kNoChannel) return Error{"the AOV " + std::string(Aovs()[static_cast<uint32_t>(aov)].token) + " was not asked for"};
+  // Bands not rendered yet show the clear value; finished ones come from their sums.
+  RawFilm shape;
+  shape.width = settings_.width;
+  shape.height = settings_.height;
+  shape.aovs = settings_.aovs;
+  AovImage image;
+  if (tracer_->bandCount() > 1 && !film_.sums.empty()) {
+    film_.width = shape.width; film_.height = shape.height; film_.aovs = shape.aovs;
+    image = ResolveFilm(film_, aov);
+  } else {
+    const AovInfo& info = Aovs()[static_cast<uint32_t>(aov)];
+    uint32_t clear;
+    const int32_t clearInt = static_cast<int32_t>(info.clear);
+    if (info.format == AovFormat::Float32) std::memcpy(&clear, &info.clear, 4); else std::memcpy(&clear, &clearInt, 4);
+    image = {aov, shape.width, shape.height, info.components, {}};
+    image.bits.assign(static_cast<std::size_t>(shape.width) * shape.height * info.components, clear);
+  }
+  if (!bandBegun_) return image;
+  std::vector<uint32_t> bits;
+  if (Status s = tracer_->ResolveBand(aov, &bits); !s) return s.error();
+  std::copy(bits.begin(), bits.end(), image.bits.begin() + static_cast<std::ptrdiff_t>(tracer_->bandY()) * image.width * image.components);
+  return image;
+}
+
+Result<RawFilm> RendererImpl::ReadFilm() {
+  DeviceTurn turn(deviceMutex_, deviceWaiters_);
+  if (!configured_) return Error{"nothing was committed yet"};
+  RawFilm film = film_;
+  film.width = settings_.width;
+  film.height = settings_.height;
+  film.firstSample = settings_.firstSample;
+  film.samples = settings_.samples;
+  film.aovs = settings_.aovs;
+  const std::size_t pixels = static_cast<std::size_t>(film.width) * film.height;
+  film.sums.resize(pixels * tracer_->film().sumChannels);
+  film.first.resize(pixels * tracer_->film().firstChannels);
+  if (bandBegun_) if (Status s = tracer_->ReadBand(&film); !s) return s.error();
+  return film;
+}
+
+Status RendererImpl::RunColorKernel(std::span<const uint32_t> spirv, const std::vector<ColorLut>& luts, std::span<float> rgba, uint32_t width, uint32_t height) {
+  DeviceTurn turn(deviceMutex_, deviceWaiters_);
+  return RunColor(*device_, spirv, luts, rgba, width, height);
+}
+
+std::vector<DeviceDescription> ListDevices() {
+  std::vector<DeviceDescription> out;
+  auto devices = vulkan::ListDevices();
+  if (!devices) return out;
+  for (const vulkan::DeviceInfo& info : devices.value()) {
+    DeviceDescription d;
+    d.name = info.name;
+    d.driver = info.driverName + " " + info.driverVersion;
+    d.type = vulkan::DeviceTypeName(info.type);
+    d.apiVersion = info.apiVersion;
+    for (const vulkan::HeapInfo& heap : info.heaps) if (heap.deviceLocal) d.heapBytes = std::max(d.heapBytes, heap.size);
+    d.subgroupSize = info.limits.subgroupSize;
+    d.usable = info.missing.empty();
+    for (const std::string& m : info.missing) d.whyNot += (d.whyNot.empty() ? "" : ", ") + m;
+    auto detail = [&](const char* name, auto value) { d.details.emplace_back(name, std::to_string(value)); };
+    detail("maxStorageBufferRange", info.limits.maxStorageBufferRange);
+    detail("maxTexelBufferElements", info.limits.maxTexelBufferElements);
+    detail("maxStorageBuffersPerStage", info.limits.maxStorageBuffersPerStage);
+    detail("maxWorkGroupInvocations", info.limits.maxWorkGroupInvocations);
+    detail("hostThreads", info.hostThreads);
+    for (const vulkan::FeatureInfo& f : info.features) d.details.emplace_back(f.name, f.present ? "yes" : f.required ? "MISSING" : "no");
+    out.push_back(std::move(d));
+  }
+  return out;
+}
+
+}  // namespace wavefront
