@@ -79,7 +79,9 @@ class ColorManager:
         except ocio.Exception as error:
             where = "named by --ocio" if self.origin == "--ocio" else "named by $OCIO"
             reason = str(error).splitlines()[0]
-            raise HdWavefrontError(f"The OpenColorIO configuration {source} ({where}) cannot be read: {reason}") from None
+            raise HdWavefrontError(
+                f"The OpenColorIO configuration {source} ({where}) cannot be read: {reason}"
+            ) from None
 
     # -- Names
 
@@ -136,7 +138,9 @@ class ColorManager:
         except self._ocio.Exception as error:
             # Configurations without interchange roles: take both names from the built-in one where it has them.
             try:
-                return self._builtin.getProcessor(_ALIASES.get(source.lower(), source), _ALIASES.get(target.lower(), target))
+                return self._builtin.getProcessor(
+                    _ALIASES.get(source.lower(), source), _ALIASES.get(target.lower(), target)
+                )
             except self._ocio.Exception:
                 raise HdWavefrontError(
                     f"Colour cannot be converted from {source} to {target}: {str(error).splitlines()[0]}"

@@ -51,7 +51,9 @@ def camera_params(camera: UsdGeom.Camera, time: Usd.TimeCode, diagnostics: Diagn
             params[name] = _plain(value)
     planes = camera.GetClippingPlanesAttr().Get(time)
     if planes:
-        diagnostics.warning("camera-clipping-planes", prim.GetPath(), "clipping planes are not rendered yet; they are ignored")
+        diagnostics.warning(
+            "camera-clipping-planes", prim.GetPath(), "clipping planes are not rendered yet; they are ignored"
+        )
     return params
 
 
@@ -92,7 +94,9 @@ def require_camera(stage: Usd.Stage, name: str) -> UsdGeom.Camera:
     camera = find_camera(stage, name)
     if camera is None:
         known = [str(c.GetPath()) for c in all_cameras(stage)]
-        hint = f"The stage's cameras: {', '.join(known[:8])}." if known else "The stage has no camera; leave --camera out."
+        hint = (
+            f"The stage's cameras: {', '.join(known[:8])}." if known else "The stage has no camera; leave --camera out."
+        )
         raise HdWavefrontError(f"There is no camera '{name}' in the stage. {hint}")
     return camera
 

@@ -86,6 +86,7 @@ class Translation:
     sink: Sink
     diagnostics: Diagnostics
     light_count: int = 0
+    has_emission: bool = False  # a material that is used may shine
     rprim_count: int = 0
 
     @property

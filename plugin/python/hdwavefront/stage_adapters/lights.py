@@ -74,7 +74,9 @@ def _report_unsupported(translation: Translation, prim: Usd.Prim, path: str) -> 
     warn = translation.diagnostics.warning
     for api, code, what in (("link", "light-link", "light linking"), ("shadow:link", "shadow-link", "shadow linking")):
         names = [str(n) for n in prim.GetAuthoredPropertyNames()]
-        prefixes = [f"collection:{'lightLink' if api == 'link' else 'shadowLink'}:{end}" for end in ("includes", "excludes")]
+        prefixes = [
+            f"collection:{'lightLink' if api == 'link' else 'shadowLink'}:{end}" for end in ("includes", "excludes")
+        ]
         if any(p in names and prim.GetRelationship(p).GetTargets() for p in prefixes):
             warn(code + "-unsupported", path, f"{what} is not rendered yet; the light acts on everything")
     filters = prim.GetRelationship("light:filters")

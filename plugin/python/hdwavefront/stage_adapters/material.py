@@ -141,6 +141,24 @@ def _report_other_terminals(translation: Translation, material: UsdShade.Materia
                 )
 
 
+# Inputs that make a surface shine, by the names that UsdPreviewSurface and MaterialX's surfaces give them.
+_EMISSION_INPUTS = frozenset(
+    {"emissiveColor", "emission", "emission_luminance", "emissive", "emissive_strength", "edf"}
+)
+
+
+def _may_emit(contexts: dict[str, Update]) -> bool:
+    for network in contexts.values():
+        if any(connection[3] in _EMISSION_INPUTS for connection in network["connections"]):
+            return True
+        for node in network["nodes"]:
+            for name in _EMISSION_INPUTS & node["parameters"].keys():
+                value = node["parameters"][name]
+                if any(value) if isinstance(value, tuple) else value:
+                    return True
+    return False
+
+
 def emit_material(translation: Translation, material: UsdShade.Material) -> None:
     path = str(material.GetPath())
     contexts = material_contexts(translation, material)
@@ -151,4 +169,5 @@ def emit_material(translation: Translation, material: UsdShade.Material) -> None
             "material-no-surface", path, f"the material has no surface that can be rendered: {has}; the default is used"
         )
     _report_other_terminals(translation, material)
+    translation.has_emission |= _may_emit(contexts)
     translation.sink.sync_material(path, contexts)

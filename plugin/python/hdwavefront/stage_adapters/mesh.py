@@ -38,9 +38,7 @@ def _topology(translation: Translation, mesh: UsdGeom.Mesh, rprim: Rprim) -> Upd
         "faceVertexCounts": _ints(mesh.GetFaceVertexCountsAttr().Get(time)),
         "faceVertexIndices": _ints(mesh.GetFaceVertexIndicesAttr().Get(time)),
         "holeIndices": _ints(mesh.GetHoleIndicesAttr().Get(time)),
-        "subsets": [
-            (str(s.GetPath()), _ints(s.GetIndicesAttr().Get(time))) for s in rprim.subsets
-        ],
+        "subsets": [(str(s.GetPath()), _ints(s.GetIndicesAttr().Get(time))) for s in rprim.subsets],
     }
     if topology["scheme"] != "none":
         topology["interpolateBoundary"] = str(mesh.GetInterpolateBoundaryAttr().Get(time) or "")

@@ -44,7 +44,9 @@ def emit_point_instancer(
     instancer = UsdGeom.PointInstancer(prim)
     primvars = _instance_primvars(translation, prim)
     proto_indices = _array(instancer.GetProtoIndicesAttr().Get(time), np.int32, 1)
-    orientations = instancer.GetPrim().GetAttribute("orientationsf").Get(time) if prim.HasAttribute("orientationsf") else None
+    orientations = (
+        instancer.GetPrim().GetAttribute("orientationsf").Get(time) if prim.HasAttribute("orientationsf") else None
+    )
     if not orientations:
         orientations = instancer.GetOrientationsAttr().Get(time)
     update: Update = {
@@ -85,7 +87,9 @@ def emit_point_instancer(
         root = translation.stage.GetPrimAtPath(target)
         if not root:
             translation.diagnostics.warning(
-                "point-instancer-bad-prototype", path, f"the prototype {target} does not exist; its instances are not drawn"
+                "point-instancer-bad-prototype",
+                path,
+                f"the prototype {target} does not exist; its instances are not drawn",
             )
             continue
         if not root.IsActive():

@@ -31,7 +31,9 @@ RPRIM_ADAPTERS: dict[str, Callable[[Translation, Rprim], None]] = {
 # Types that only group, and those that have no place in a picture by themselves: walked without a word.
 _SILENT_TYPES = frozenset({"", "Xform", "Scope", "SkelRoot", "Camera", "GeomSubset", "Skeleton", "SkelAnimation"})
 # Types below which nothing is drawn.
-_LEAF_TYPES = frozenset({"Material", "Shader", "NodeGraph", "RenderSettings", "RenderProduct", "RenderVar", "RenderPass"})
+_LEAF_TYPES = frozenset(
+    {"Material", "Shader", "NodeGraph", "RenderSettings", "RenderProduct", "RenderVar", "RenderPass"}
+)
 
 _CHILDREN = Usd.TraverseInstanceProxies(Usd.PrimDefaultPredicate)
 # Prototypes of a PointInstancer may be overs or classes.
@@ -192,7 +194,9 @@ def _emit(translation: Translation, rprim: Rprim) -> None:
         rprim.emit(translation, rprim)
     except Exception as error:  # a prim that nobody foresaw must not stop the rest, nor be left out in silence
         translation.diagnostics.error(
-            "prim-failed", rprim.path, f"the prim could not be translated and is left out: {type(error).__name__}: {error}"
+            "prim-failed",
+            rprim.path,
+            f"the prim could not be translated and is left out: {type(error).__name__}: {error}",
         )
 
 

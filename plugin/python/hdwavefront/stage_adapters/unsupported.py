@@ -46,7 +46,9 @@ def report_applied_apis(translation: Translation, prim: Usd.Prim) -> None:
         mode = UsdGeom.ModelAPI(prim).GetModelDrawModeAttr().Get()
         if mode in ("origin", "bounds", "cards"):
             translation.diagnostics.warning(
-                "draw-mode-unsupported", prim.GetPath(), f"model:drawMode '{mode}' is not rendered; the full geometry is drawn"
+                "draw-mode-unsupported",
+                prim.GetPath(),
+                f"model:drawMode '{mode}' is not rendered; the full geometry is drawn",
             )
 
 
