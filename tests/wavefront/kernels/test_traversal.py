@@ -362,9 +362,7 @@ def light_shape_roots(kind, o, d):
         if kind in (KIND_RECT, KIND_DISK):
             t = -o[:, 2] / d[:, 2]
             p = o + t[:, None] * d
-            inside = (
-                np.abs(p[:, :2]).max(1) <= 0.5 if kind == KIND_RECT else (p[:, :2] ** 2).sum(1) <= 1
-            )
+            inside = np.abs(p[:, :2]).max(1) <= 0.5 if kind == KIND_RECT else (p[:, :2] ** 2).sum(1) <= 1
             return np.where(inside, t, np.nan)[:, None]
         axes = slice(1, 3) if kind == KIND_CYLINDER else slice(0, 3)
         a = (d[:, axes] ** 2).sum(1)
