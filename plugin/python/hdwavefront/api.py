@@ -51,8 +51,8 @@ class Render:
       session_layer: a layer file over the stage.
       aovs: besides color: depth, cameraDepth, normal, albedo, primId, instanceId, elementId, sampleCount.
       ocio, display, view: colour configuration and how display-referred files look.
-      color_mode: openColorIO, sRGB, disabled, or None for openColorIO in PNG, JPEG and TIFF and scene-linear in EXR and HDR.
-      rendering_space: the scene-linear space that is rendered in. camera_light: True, False, None = where nothing shines.
+      color_mode: openColorIO, sRGB, disabled; None: openColorIO in PNG, JPEG and TIFF, scene-linear in EXR and HDR.
+      rendering_space: the scene-linear space that is rendered in. camera_light: None = where nothing shines.
       dome_visible: domes are seen by the camera. device: index or part of a name.
       on_diagnostic: called with each new `Diagnostic`. delegate: for tests.
       settings: values of render settings by token, such as {"maxBounces": 4}.

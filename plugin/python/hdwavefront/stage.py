@@ -16,7 +16,8 @@ def import_pxr() -> Any:
         from pxr import Usd
     except ImportError as error:
         raise HdWavefrontError(
-            f"OpenUSD's Python modules (pxr) are not installed ({error}). Install them with: pip install 'hdwavefront[usd]'"
+            f"OpenUSD's Python modules (pxr) are not installed ({error}). "
+            "Install them with: pip install 'hdwavefront[usd]'"
         ) from None
     return Usd
 

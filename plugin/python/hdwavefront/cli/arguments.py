@@ -25,8 +25,8 @@ def add_record_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("usdFilePath", help="USD file to record")
     parser.add_argument(
         "outputImagePath",
-        help="Output image path. For frame ranges, the path must contain exactly one frame number placeholder of the form "
-        '"###" or "###.###". The number of hash marks is variable in each group.',
+        help="Output image path. For frame ranges, the path must contain exactly one frame number placeholder of the "
+        'form "###" or "###.###". The number of hash marks is variable in each group.',
     )
     _add_usdrecord_arguments(parser.add_argument_group("usdrecord's arguments"))
     _add_own_arguments(parser.add_argument_group("hdWavefront's arguments"))

@@ -65,12 +65,14 @@ def check_path(path: str, frames: str | None) -> None:
         return
     if not mark:
         raise UsageError(
-            'outputImagePath must contain exactly one frame number placeholder of the form "###" or "###.###" with --frames.'
+            "With --frames, outputImagePath must contain exactly one frame number placeholder of the form "
+            '"###" or "###.###".'
         )
     precision = len(mark.partition(".")[2])
     if precision < stride_precision(frames):
         raise UsageError(
-            f"The frames need {stride_precision(frames)} decimals, but the placeholder {mark} in outputImagePath has {precision}."
+            f"The frames need {stride_precision(frames)} decimals, but the placeholder {mark} in outputImagePath "
+            f"has {precision}."
         )
 
 

@@ -2,9 +2,9 @@
 # Copyright the hdWavefront authors
 """The colour configuration and what is asked of it.
 
-The rendering space is scene-linear: by default lin_rec709, or any space that the configuration or OpenColorIO's built-in
-one knows. Names are looked up in the configuration first, then in the built-in one, so that USD's names (raw, sRGB,
-lin_rec709_scene, ...) mean the same with every configuration.
+The rendering space is scene-linear: by default lin_rec709, or any space that the configuration or OpenColorIO's
+built-in one knows. Names are looked up in the configuration first, then in the built-in one, so that USD's names (raw,
+sRGB, lin_rec709_scene, ...) mean the same with every configuration.
 """
 
 from __future__ import annotations
@@ -48,7 +48,7 @@ def _ocio() -> Any:
 
 
 class ColorManager:
-    """`config`: a file, a name such as "ocio://default" or a built-in configuration's name; empty: $OCIO, else built in."""
+    """`config`: a file, or a built-in configuration's name; empty: $OCIO, else the default built-in one."""
 
     def __init__(self, config: str = "", rendering_space: str = DEFAULT_RENDERING_SPACE) -> None:
         self._ocio = _ocio()

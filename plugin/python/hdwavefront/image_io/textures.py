@@ -30,8 +30,8 @@ def load_texture(
 ) -> np.ndarray:
     """(height, width, 4) uint8 or float16, row 0 at the top. TextureError where the file cannot be used.
 
-    `color_space`: raw, sRGB, auto, a space's name, or empty, which is auto. Grey images fill red, green and blue; a second
-    channel is alpha, as UsdUVTexture has it.
+    `color_space`: raw, sRGB, auto, a space's name, or empty, which is auto. Grey images fill red, green and blue; a
+    second channel is alpha, as UsdUVTexture has it.
     """
     if "<UDIM>" in path:
         raise TextureError("UDIM textures are not supported yet")

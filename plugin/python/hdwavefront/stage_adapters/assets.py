@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright the hdWavefront authors
-"""Asset-valued attributes: what was authored, what the stage's resolver found, and the colour space that goes with it."""
+"""Asset-valued attributes: what was authored, what the resolver found, and the colour space that goes with it."""
 
 from __future__ import annotations
 

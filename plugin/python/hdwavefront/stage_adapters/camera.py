@@ -102,7 +102,7 @@ def require_camera(stage: Usd.Stage, name: str) -> UsdGeom.Camera:
 
 
 def free_camera(stage: Usd.Stage, time: Usd.TimeCode, purposes: frozenset[str]) -> tuple[Update, np.ndarray]:
-    """Params and transform of a 50 mm camera that frames the stage, by the rule of OpenUSD's usdrecord (UsdAppUtils)."""
+    """Params and transform of a 50 mm camera that frames the stage, by the rule of OpenUSD's usdrecord."""
     camera = Gf.Camera()
     cache = UsdGeom.BBoxCache(time, sorted(purposes), True)
     box = cache.ComputeWorldBound(stage.GetPseudoRoot())

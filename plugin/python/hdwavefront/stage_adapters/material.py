@@ -52,7 +52,7 @@ class _Network:
                     self.translation.diagnostics.warning(
                         "material-bad-connection",
                         shader_input.GetAttr().GetPath(),
-                        f"the input is connected to {attribute.GetPath()}, which is no output of a shader; it is ignored",
+                        f"the input is connected to {attribute.GetPath()}, no output of a shader; it is ignored",
                     )
                     continue
                 self.connections.append((str(source.GetPath()), str(attribute_name), node["path"], name))

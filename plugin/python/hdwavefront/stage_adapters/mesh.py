@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright the hdWavefront authors
-"""UsdGeomMesh and its GeomSubsets: raw topology, points and subdivision tags. The delegate triangulates and subdivides."""
+"""UsdGeomMesh and its GeomSubsets: raw topology, points and subdivision tags. The delegate makes the triangles."""
 
 from __future__ import annotations
 

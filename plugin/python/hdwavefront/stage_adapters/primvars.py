@@ -67,7 +67,7 @@ def primvar_update(
                 translation.diagnostics.warning(
                     "primvar-bad-size",
                     primvar.GetAttr().GetPath(),
-                    f"the primvar has {array.shape[0]} values, no multiple of its elementSize {element_size}; it is left out",
+                    f"{array.shape[0]} values are no multiple of elementSize {element_size}; the primvar is left out",
                 )
                 return None
             array = array.reshape(array.shape[0] // element_size, -1)

@@ -58,7 +58,7 @@ class RenderSettingsPrim:
 
 
 def find_render_settings(stage: Usd.Stage, name: str, diagnostics: Diagnostics) -> UsdRender.Settings | None:
-    """The prim at `name`, else the one of the stage's metadata, else none. HdWavefrontError: `name` is no settings prim."""
+    """The prim at `name`, else the one of the stage's metadata, else none. HdWavefrontError where `name` is none."""
     if name:
         prim = stage.GetPrimAtPath(name) if name.startswith("/") else None
         if not prim or not prim.IsA(UsdRender.Settings):

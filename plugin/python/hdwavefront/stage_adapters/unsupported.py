@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright the hdWavefront authors
-"""Schemas that can be drawn but are not translated yet. Each prim gives one diagnostic; none is drawn wrong in silence."""
+"""Schemas that can be drawn but are not translated yet: one diagnostic a prim, nothing drawn wrong in silence."""
 
 from __future__ import annotations
 
