@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the hdWavefront authors
+// Network -> expressions and closures. Node graphs of the library are instantiated only as far as they are reached.
+#pragma once
+
+#include <map>
+#include <set>
+#include <string>
+#include <unordered_map>
+#include <vector>
+
+#include "materialgen/closure.h"
+#include "materialgen/ir.h"
+#include "materialgen/library.h"
+#include "materialgen/materialgen.h"
+
+namespace materialgen {
+
+struct Surface {
+  BsdfId bsdf = kNone;
+  Id emission = kNone;  // radiance towards the viewer; kNone: none
+  Id opacity = kNone;   // kNone: opaque
+};
+
+// Value of an input or output.
+struct Port {
+  Type type = Type::None;
+  Id id = kNone;          // expression, Bsdf or Surface by type; kNone with Bsdf: no closure
+  bool isUnknown = false; // comes from a node that nobody knows
+};
+
+// What one pass over the network yields.
+struct Material {
+  LinearClosure closure;
+  Id opacity = kNone;   // Surface's, before pass-through
+  Id emission = kNone;
+};
+
+class Builder {
+ public:
+  // `transmits`: a pass before found lobes that refract, so that reflection inside bodies must know the side.
+  Builder(Library* library, const MaterialNetwork& network, Expressions* expressions, bool transmits);
+
+  Material Build();
+  // Inputs of one node being evaluated, in the definition's order.
+  struct Node {
+    const NodeDefinition* definition = nullptr;
+    std::vector<Port> inputs;
+    std::string name;         // within its graph; empty for nodes of the network
+    const NodeDefinition* owner = nullptr;  // definition whose graph holds it; null for nodes of the network
+  };
+  std::vector<Message> TakeMessages() { return std::move(messages_); }
+  const std::set<std::string>& FunctionFiles() const { return functionFiles_; }
+
+ private:
+  friend class NodeEvaluator;
+  struct Entry {
+    const materialgen::Node* node = nullptr;
+    const NodeDefinition* definition = nullptr;
+    std::map<std::string, const Connection*> connections;  // by input
+    std::set<std::string> outputs;                         // asked for by others
+    std::map<std::string, Port> values;                    // by output
+  };
+
+  void Index();
+  std::vector<uint32_t> Order(uint32_t root);
+  void BuildEntry(Entry* entry);
+  Port NetworkInput(Entry* entry, const PortDefinition& definition);
+  Port AuthoredInput(const materialgen::Node& node, const PortDefinition& definition, const Value& value);
+  Port DefaultInput(const materialgen::Node* node, const PortDefinition& definition);
+  Port Literal(Type type, const std::string& text);
+  Port GeometricProperty(const std::string& name);
+  // Fits a port to an input; a type error gives a message and the input's default.
+  Port Fit(Port port, const PortDefinition& definition, const materialgen::Node* node);
+  Port Evaluate(const Node& node, const std::string& output, int depth);
+  Port EvaluateGraph(const Node& node, const std::string& output, int depth);
+  Port EvaluateInline(const Node& node);
+  Port EvaluateFunction(const Node& node, const std::string& output);
+  Surface Fallback();
+  void Say(Severity severity, const std::string& code, const std::string& location, const std::string& text);
+
+  Library& library_;
+  const MaterialNetwork& network_;
+  Expressions& e_;
+  bool transmits_;
+  std::vector<Bsdf> bsdfs_;
+  std::vector<Surface> surfaces_;
+  std::vector<Entry> entries_;
+  std::unordered_map<std::string, uint32_t> entryOf_;
+  const materialgen::Node* current_ = nullptr;  // node of the network that is being built
+  std::vector<Message> messages_;
+  std::set<std::string> said_;
+  std::set<std::string> functionFiles_;
+};
+
+// Nodes that are not left to the library's code: values, geometry, images, closures, surfaces (nodes.cpp, closures.cpp).
+class NodeEvaluator {
+ public:
+  NodeEvaluator(Builder* builder, const Builder::Node& node, const std::string& output)
+      : b_(*builder), e_(builder->e_), node_(node), output_(output) {}
+  // False where the library's code or graph serves.
+  bool Evaluate(Port* result);
+
+ private:
+  Id In(std::string_view name, Type type = Type::None);  // the expression, converted where a type is given
+  bool InText(std::string_view name, std::string* text);
+  bool Number(Port* result, Id id);
+  Type OutputType() const;
+  bool EvaluateOverride(Port* result);
+  bool EvaluateArithmetic(Port* result);
+  bool EvaluateChannels(Port* result);
+  bool EvaluateChoice(Port* result);
+  bool EvaluateGeometry(Port* result);
+  bool EvaluateImage(Port* result);
+  bool EvaluateNormalMap(Port* result);
+  bool EvaluateMicrofacet(Port* result);
+  bool EvaluateBsdf(Port* result);
+  bool EvaluateCombiner(Port* result);
+  bool EvaluateEmission(Port* result);
+  bool EvaluateSurface(Port* result);
+  Id Primvar(const std::string& name, Type type, Id fallback);
+  Id Footprint(Id uv, int depth = 0);
+  std::string UvPrimvar(Id id, int depth = 0);
+  Id FrameOf(bool isAnisotropic);
+  bool AddLobe(Port* result, std::string_view kind, std::vector<Id> arguments, Bsdf lobe, bool hasAlpha);
+  void Unsupported(const std::string& what);
+
+  Builder& b_;
+  Expressions& e_;
+  const Builder::Node& node_;
+  const std::string& output_;
+};
+
+}  // namespace materialgen

@@ -1,0 +1,201 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the hdWavefront authors
+#include "materialgen/closure.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <cstdlib>
+#include <string>
+
+namespace materialgen {
+namespace {
+
+constexpr LobeKind kLobes[] = {
+    {"oren_nayar", "orenNayar", "OrenNayarLobe", false, true},
+    {"oren_nayar_compensated", "orenNayarCompensated", "OrenNayarCompensatedLobe", false, true},
+    {"burley", "burley", "BurleyLobe", false, true},
+    {"translucent", "translucent", "TranslucentLobe", false, true},
+    {"dielectric_reflection", "dielectricReflection", "DielectricReflectionLobe"},
+    {"dielectric_transmission", "dielectricTransmission", "DielectricTransmissionLobe", true},
+    {"dielectric", "dielectric", "DielectricLobe", true},
+    {"conductor", "conductor", "ConductorLobe", false, true},
+    {"generalized_schlick", "generalizedSchlick", "GeneralizedSchlickLobe"},
+    {"generalized_schlick_transmission", "generalizedSchlickTransmission", "GeneralizedSchlickTransmissionLobe", true},
+    {"generalized_schlick_rt", "generalizedSchlickRt", "GeneralizedSchlickRtLobe", true},
+    {"sheen_conty_kulla", "sheenContyKulla", "SheenContyKullaLobe"},
+    {"sheen_zeltner", "sheenZeltner", "SheenZeltnerLobe"},
+};
+
+class Lineariser {
+ public:
+  Lineariser(Expressions* expressions, const std::vector<Bsdf>& nodes) : e_(*expressions), nodes_(nodes) {}
+
+  LinearClosure Run(BsdfId root) {
+    LinearClosure result;
+    if (root == kNone) return result;
+    Prepare(root);
+    weights_.assign(root + 1, {});
+    weights_[root] = {e_.Number(1), e_.Number(1)};
+    std::vector<BsdfId> live;
+    for (BsdfId id = root + 1; id-- > 0;) {
+      if (weights_[id].other == kNone) continue;
+      if (nodes_[id].kind == Bsdf::Kind::Lobe || nodes_[id].kind == Bsdf::Kind::PassThrough) {
+        live.push_back(id);
+      } else {
+        Distribute(id, &result);
+      }
+    }
+    std::reverse(live.begin(), live.end());
+    for (BsdfId id : live) AddLobe(id, &result);
+    return result;
+  }
+
+ private:
+  // A lobe that refracts already leaves out what its own interface reflects; so it is weighted apart from the others.
+  struct Weight {
+    Id other = kNone, transmitted = kNone;
+  };
+
+  Id Multiply(Id a, Id b) { return e_.Arithmetic("multiply", {a, b}); }
+  Id OneMinus(Id a) { return e_.Arithmetic("subtract", {e_.Number(1), a}); }
+
+  // What each node lets through to its base, and which interfaces refract in it; children first.
+  void Prepare(BsdfId root) {
+    throughput_.resize(root + 1, kNone);
+    interfaces_.resize(root + 1);
+    for (BsdfId id = 0; id <= root; ++id) {
+      const Bsdf& node = nodes_[id];
+      throughput_[id] = Throughput(node);
+      if (node.kind == Bsdf::Kind::Lobe) {
+        if (node.lobe->transmits && node.interfaceIor != kNone) interfaces_[id].push_back(node.interfaceIor);
+        continue;
+      }
+      for (BsdfId child : {node.first, node.second}) {
+        if (child == kNone) continue;
+        for (Id ior : interfaces_[child]) {
+          if (std::find(interfaces_[id].begin(), interfaces_[id].end(), ior) == interfaces_[id].end() &&
+              interfaces_[id].size() < 16) {
+            interfaces_[id].push_back(ior);
+          }
+        }
+      }
+    }
+  }
+
+  Id ThroughputOf(BsdfId id) { return id == kNone ? e_.Number(1) : throughput_[id]; }
+
+  Id Throughput(const Bsdf& node) {
+    switch (node.kind) {
+      case Bsdf::Kind::Lobe: {
+        if (node.lobe->opaque) return e_.Number(0);
+        if (e_.Decide(node.weight, 0)) return e_.Number(1);
+        Id through = e_.Make("throughput", Type::Vec3, {node.expression}, std::string(node.lobe->name));
+        if (e_.IsConstant(node.weight, 1)) return through;
+        return OneMinus(Multiply(node.weight, OneMinus(through)));
+      }
+      case Bsdf::Kind::PassThrough: return e_.Number(0);
+      case Bsdf::Kind::Layer: return Multiply(ThroughputOf(node.first), ThroughputOf(node.second));
+      case Bsdf::Kind::Mix:
+        if (e_.Decide(node.factor, 0)) return ThroughputOf(node.second);
+        if (e_.Decide(node.factor, 1)) return ThroughputOf(node.first);
+        return e_.Arithmetic("mix", {ThroughputOf(node.second), ThroughputOf(node.first), node.factor});
+      case Bsdf::Kind::Add: {
+        const Id sum = e_.Arithmetic("add", {ThroughputOf(node.first), ThroughputOf(node.second)});
+        return e_.Arithmetic("max", {e_.Arithmetic("subtract", {sum, e_.Number(1)}), e_.Number(0)});
+      }
+      case Bsdf::Kind::Scale:
+      case Bsdf::Kind::Volume: return ThroughputOf(node.first);
+    }
+    return e_.Number(1);
+  }
+
+  void Give(BsdfId child, Id other, Id transmitted) {
+    if (child == kNone) return;
+    if (e_.IsConstant(other, 0) && e_.IsConstant(transmitted, 0)) return;
+    Weight& weight = weights_[child];
+    weight.other = weight.other == kNone ? other : e_.Arithmetic("add", {weight.other, other});
+    weight.transmitted = weight.transmitted == kNone ? transmitted : e_.Arithmetic("add", {weight.transmitted, transmitted});
+  }
+
+  void Distribute(BsdfId id, LinearClosure* result) {
+    const Bsdf& node = nodes_[id];
+    const Weight w = weights_[id];
+    switch (node.kind) {
+      case Bsdf::Kind::Layer: {
+        Give(node.first, w.other, w.transmitted);
+        if (node.second == kNone) return;
+        const Id through = ThroughputOf(node.first);
+        const Bsdf* top = node.first == kNone ? nullptr : &nodes_[node.first];
+        const std::vector<Id>& below = interfaces_[node.second];
+        const bool sameInterface = top && top->kind == Bsdf::Kind::Lobe && top->interfaceIor != kNone &&
+                                   std::find(below.begin(), below.end(), top->interfaceIor) != below.end();
+        Give(node.second, Multiply(w.other, through), sameInterface ? w.transmitted : Multiply(w.transmitted, through));
+        return;
+      }
+      case Bsdf::Kind::Mix: {
+        if (e_.Decide(node.factor, 0)) return Give(node.second, w.other, w.transmitted);
+        if (e_.Decide(node.factor, 1)) return Give(node.first, w.other, w.transmitted);
+        const Id rest = OneMinus(node.factor);
+        Give(node.first, Multiply(w.other, node.factor), Multiply(w.transmitted, node.factor));
+        Give(node.second, Multiply(w.other, rest), Multiply(w.transmitted, rest));
+        return;
+      }
+      case Bsdf::Kind::Add:
+        Give(node.first, w.other, w.transmitted);
+        Give(node.second, w.other, w.transmitted);
+        return;
+      case Bsdf::Kind::Scale:
+        if (e_.Decide(node.factor, 0)) return;
+        return Give(node.first, Multiply(w.other, node.factor), Multiply(w.transmitted, node.factor));
+      case Bsdf::Kind::Volume:
+        // The inside of the last one named; two volumes in one material are told apart nowhere in MaterialX.
+        result->extinction = node.factor;
+        return Give(node.first, w.other, w.transmitted);
+      default: return;
+    }
+  }
+
+  void AddLobe(BsdfId id, LinearClosure* result) {
+    const Bsdf& node = nodes_[id];
+    if (node.kind == Bsdf::Kind::PassThrough) {
+      if (e_.Decide(weights_[id].other, 0)) return;
+      result->passThrough = weights_[id].other;
+      return;
+    }
+    Id weight = Multiply(node.lobe->transmits ? weights_[id].transmitted : weights_[id].other, node.weight);
+    weight = Multiply(weight, node.tint);
+    if (e_.Decide(weight, 0)) return;
+    result->transmits = result->transmits || node.lobe->transmits;
+    result->hasSubsurface = result->hasSubsurface || node.isSubsurface;
+    result->hasThinFilm = result->hasThinFilm || node.hasThinFilm;
+    result->hasRetroreflection = result->hasRetroreflection || node.isRetroreflective;
+    for (WeightedLobe& lobe : result->lobes) {
+      if (lobe.expression != node.expression) continue;
+      lobe.weight = e_.Arithmetic("add", {lobe.weight, weight});
+      return;
+    }
+    result->lobes.push_back({node.lobe, node.expression, weight});
+  }
+
+  Expressions& e_;
+  const std::vector<Bsdf>& nodes_;
+  std::vector<Weight> weights_;
+  std::vector<Id> throughput_;
+  std::vector<std::vector<Id>> interfaces_;
+};
+
+}  // namespace
+
+const LobeKind& FindLobe(std::string_view name) {
+  for (const LobeKind& lobe : kLobes) {
+    if (lobe.name == name) return lobe;
+  }
+  std::fprintf(stderr, "materialgen: no lobe '%s'\n", std::string(name).c_str());
+  std::abort();
+}
+
+LinearClosure Linearise(Expressions* expressions, const std::vector<Bsdf>& nodes, BsdfId root) {
+  return Lineariser(expressions, nodes).Run(root);
+}
+
+}  // namespace materialgen

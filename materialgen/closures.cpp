@@ -1,0 +1,234 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the hdWavefront authors
+// Nodes that make closures: BSDFs, their combiners, emission and surfaces; and what differs from MaterialX's graphs.
+#include <algorithm>
+#include <string>
+#include <string_view>
+
+#include "materialgen/builder.h"
+
+namespace materialgen {
+
+// Where we depart from the library's graphs, by graph and node. UsdPreviewSurface: MaterialX makes its transparency a
+// refracting interface; USD's renderers let light through straight, shadows included, and keep the highlights, which is
+// what assets are made for (cut-out leaves, windows of one sheet).
+bool NodeEvaluator::EvaluateOverride(Port* result) {
+  if (!node_.owner || node_.owner->category != "UsdPreviewSurface") return false;
+  if (node_.name == "transmission_bsdf") {
+    Bsdf through;
+    through.kind = Bsdf::Kind::PassThrough;
+    b_.bsdfs_.push_back(through);
+    *result = {Type::Bsdf, Id(b_.bsdfs_.size() - 1)};
+    return true;
+  }
+  // No threshold, no cut-out, whatever the opacity's values.
+  if (node_.name == "cutout_opacity" && e_.Decide(In("value2"), 0)) {
+    *result = {Type::Float, e_.Number(1)};
+    return true;
+  }
+  return false;
+}
+
+// A frame per distinct (normal, tangent); isotropic lobes need no tangent.
+Id NodeEvaluator::FrameOf(bool isAnisotropic) {
+  const Id normal = In("normal", Type::Vec3), tangent = In("tangent", Type::Vec3);
+  const Id given = normal == kNone ? e_.Make("normal_world", Type::Vec3, {}) : normal;
+  if (isAnisotropic && tangent != kNone) return e_.Make("frame", Type::Frame, {given, tangent});
+  return e_.Make("frame", Type::Frame, {given});
+}
+
+bool NodeEvaluator::AddLobe(Port* result, std::string_view kind, std::vector<Id> arguments, Bsdf lobe, bool hasAlpha) {
+  if (std::count(arguments.begin(), arguments.end(), kNone)) return false;
+  bool isAnisotropic = false;
+  if (hasAlpha) {
+    const Expression& alpha = e_[In("roughness", Type::Vec2)];
+    isAnisotropic = alpha.op->name != "isotropic_alpha" && !(alpha.rate == Class::Literal && alpha.value[0] == alpha.value[1]) &&
+                    !(alpha.op->name == "construct" && alpha.arguments.size() == 1);
+  }
+  arguments.insert(arguments.begin(), FrameOf(isAnisotropic));
+  lobe.kind = Bsdf::Kind::Lobe;
+  lobe.lobe = &FindLobe(kind);
+  lobe.expression = e_.Make("lobe", Type::Lobe, std::move(arguments), std::string(kind));
+  const Id weight = In("weight", Type::Float);
+  lobe.weight = weight == kNone ? e_.Number(1) : e_.Arithmetic("clamp", {weight, e_.Number(0), e_.Number(1)});
+  if (lobe.tint == kNone) lobe.tint = e_.Number(1);
+  b_.bsdfs_.push_back(lobe);
+  *result = {Type::Bsdf, Id(b_.bsdfs_.size() - 1)};
+  return true;
+}
+
+bool NodeEvaluator::EvaluateBsdf(Port* result) {
+  const std::string_view category = node_.definition->category;
+  if (category == "layer" || category == "mix" || category == "add" || category == "multiply") {
+    return EvaluateCombiner(result);
+  }
+  const Id white = e_.Color(1, 1, 1), color = In("color", Type::Vec3), roughness = In("roughness");
+  Bsdf lobe;
+  if (category == "oren_nayar_diffuse_bsdf") {
+    const Id compensate = In("energy_compensation");
+    const bool isCompensated = compensate != kNone && e_.Scalar(compensate) != 0 && !e_.IsConstant(roughness, 0);
+    return AddLobe(result, isCompensated ? "oren_nayar_compensated" : "oren_nayar", {color, roughness}, lobe, false);
+  }
+  if (category == "burley_diffuse_bsdf") return AddLobe(result, "burley", {color, roughness}, lobe, false);
+  if (category == "translucent_bsdf") return AddLobe(result, "translucent", {color}, lobe, false);
+  if (category == "subsurface_bsdf") {
+    if (!AddLobe(result, "oren_nayar", {color, e_.Number(0)}, lobe, false)) return false;
+    b_.bsdfs_[result->id].isSubsurface = true;
+    return true;
+  }
+  if (category == "sheen_bsdf") {
+    std::string mode;
+    InText("mode", &mode);
+    lobe.tint = color;
+    return AddLobe(result, mode == "zeltner" ? "sheen_zeltner" : "sheen_conty_kulla", {white, roughness}, lobe, false);
+  }
+  const bool isDielectric = category == "dielectric_bsdf", isSchlick = category == "generalized_schlick_bsdf";
+  const bool isConductor = category == "conductor_bsdf";
+  if (!isDielectric && !isSchlick && !isConductor) {
+    // Hair and what else there may be come with their own issues; a graph of the library may still serve.
+    return false;
+  }
+  const Id film = In("thinfilm_thickness");
+  lobe.hasThinFilm = film != kNone && !e_.Decide(film, 0);
+  const Id retro = In("retroreflective");
+  lobe.isRetroreflective = retro != kNone && e_.Scalar(retro) != 0;
+  std::string scatter = "R";
+  InText("scatter_mode", &scatter);
+  if (isConductor) return AddLobe(result, "conductor", {In("ior"), In("extinction"), roughness}, lobe, true);
+  if (isDielectric) {
+    const Id ior = In("ior");
+    lobe.interfaceIor = ior;
+    lobe.tint = In("tint");
+    if (scatter == "T") return AddLobe(result, "dielectric_transmission", {white, ior, roughness}, lobe, true);
+    if (scatter == "RT") return AddLobe(result, "dielectric", {white, ior, roughness}, lobe, true);
+    // Seen from inside the body, the interface is that of the outside: total reflection and all.
+    const Id faced = b_.transmits_ ? e_.Make("faced_ior", Type::Float, {ior}) : ior;
+    return AddLobe(result, "dielectric_reflection", {white, faced, roughness}, lobe, true);
+  }
+  const std::string_view kind = scatter == "T"    ? "generalized_schlick_transmission"
+                                : scatter == "RT" ? "generalized_schlick_rt"
+                                                  : "generalized_schlick";
+  return AddLobe(result, kind, {In("color0"), In("color82"), In("color90"), In("exponent"), roughness}, lobe, true);
+}
+
+bool NodeEvaluator::EvaluateCombiner(Port* result) {
+  const std::string_view category = node_.definition->category;
+  Bsdf node;
+  if (category == "layer") {
+    node.first = In("top");
+    const PortDefinition* base = node_.definition->FindInput("base");
+    if (base && base->type == Type::Bsdf) {
+      node.kind = Bsdf::Kind::Layer;
+      node.second = In("base");
+    } else {
+      node.kind = Bsdf::Kind::Volume;
+      node.factor = In("base");
+    }
+  } else if (category == "mix") {
+    node.kind = Bsdf::Kind::Mix;
+    node.first = In("fg");
+    node.second = In("bg");
+    node.factor = e_.Arithmetic("clamp", {In("mix", Type::Float), e_.Number(0), e_.Number(1)});
+  } else if (category == "add") {
+    node.kind = Bsdf::Kind::Add;
+    node.first = In("in1");
+    node.second = In("in2");
+  } else {
+    node.kind = Bsdf::Kind::Scale;
+    node.first = In("in1");
+    node.factor = e_.Arithmetic("clamp", {In("in2"), e_.Number(0), e_.Number(1)});
+  }
+  if (node.first == kNone && node.second == kNone) {
+    *result = {Type::Bsdf, kNone};
+    return true;
+  }
+  b_.bsdfs_.push_back(node);
+  *result = {Type::Bsdf, Id(b_.bsdfs_.size() - 1)};
+  return true;
+}
+
+// EDFs are the radiance towards the viewer, VDFs the extinction of the inside; both are plain colours, so that mix, add
+// and multiply of them are the arithmetic nodes.
+bool NodeEvaluator::EvaluateEmission(Port* result) {
+  const std::string_view category = node_.definition->category;
+  if (category == "uniform_edf") return Number(result, In("color"));
+  if (category == "measured_edf") {
+    Unsupported("measured_edf: the light profile is ignored");
+    return Number(result, In("color"));
+  }
+  if (category == "conical_edf") {
+    const Id inner = In("inner_angle"), outer = In("outer_angle"), normal = In("normal");
+    const Id cone = e_.Make("cone", Type::Float, {normal, inner, outer});
+    return Number(result, e_.Arithmetic("multiply", {In("color"), cone}));
+  }
+  if (category == "generalized_schlick_edf") {
+    const Id base = In("base");
+    if (base == kNone || e_.Decide(base, 0)) return Number(result, e_.Color(0, 0, 0));
+    const Id normal = e_.Make("normal_world", Type::Vec3, {});
+    const Id exponent = In("exponent");
+    const Id from = In("color0"), to = In("color90");
+    const Id fresnel = e_.Make("schlick", Type::Float, {normal, exponent, e_.Number(0)});
+    return Number(result, e_.Arithmetic("multiply", {base, e_.Arithmetic("mix", {from, to, fresnel})}));
+  }
+  if (category == "absorption_vdf") return Number(result, In("absorption"));
+  if (category == "anisotropic_vdf") {
+    const Id scattering = In("scattering");
+    if (scattering != kNone && !e_.Decide(scattering, 0)) {
+      Unsupported("anisotropic_vdf: scattering inside the body is ignored, absorption is kept");
+    }
+    return Number(result, In("absorption"));
+  }
+  return false;
+}
+
+bool NodeEvaluator::EvaluateSurface(Port* result) {
+  const std::string_view category = node_.definition->category;
+  Surface surface;
+  if (category == "surface") {
+    surface.bsdf = In("bsdf");
+    surface.emission = In("edf");
+    surface.opacity = In("opacity");
+  } else if (category == "surface_unlit") {
+    surface.emission = e_.Arithmetic("multiply", {In("emission_color"), In("emission")});
+    surface.opacity = In("opacity");
+    const Id transmission = In("transmission");
+    if (transmission != kNone && !e_.Decide(transmission, 0)) {
+      Bsdf through;
+      through.kind = Bsdf::Kind::PassThrough;
+      b_.bsdfs_.push_back(through);
+      Bsdf scale;
+      scale.kind = Bsdf::Kind::Scale;
+      scale.first = BsdfId(b_.bsdfs_.size() - 1);
+      scale.factor = e_.Arithmetic("clamp", {e_.Arithmetic("multiply", {In("transmission_color"), transmission}),
+                                             e_.Number(0), e_.Number(1)});
+      b_.bsdfs_.push_back(scale);
+      surface.bsdf = BsdfId(b_.bsdfs_.size() - 1);
+    }
+  } else if (category == "mix") {
+    const Id fg = In("fg"), bg = In("bg");
+    const Id factor = e_.Arithmetic("clamp", {In("mix", Type::Float), e_.Number(0), e_.Number(1)});
+    const Surface front = fg == kNone ? Surface() : b_.surfaces_[fg], back = bg == kNone ? Surface() : b_.surfaces_[bg];
+    const auto blend = [&](Id b, Id f, float missing) {
+      if (b == kNone && f == kNone) return kNone;
+      return e_.Arithmetic("mix", {b == kNone ? e_.Number(missing) : b, f == kNone ? e_.Number(missing) : f, factor});
+    };
+    surface.emission = blend(back.emission, front.emission, 0);
+    surface.opacity = blend(back.opacity, front.opacity, 1);
+    if (front.bsdf != kNone || back.bsdf != kNone) {
+      Bsdf mix;
+      mix.kind = Bsdf::Kind::Mix;
+      mix.first = front.bsdf;
+      mix.second = back.bsdf;
+      mix.factor = factor;
+      b_.bsdfs_.push_back(mix);
+      surface.bsdf = BsdfId(b_.bsdfs_.size() - 1);
+    }
+  } else {
+    return false;
+  }
+  b_.surfaces_.push_back(surface);
+  *result = {Type::Surface, Id(b_.surfaces_.size() - 1)};
+  return true;
+}
+
+}  // namespace materialgen

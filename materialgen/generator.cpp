@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the hdWavefront authors
+#include <mutex>
+#include <unordered_map>
+
+#include "materialgen/builder.h"
+#include "materialgen/emit.h"
+#include "materialgen/library.h"
+#include "materialgen/materialgen.h"
+
+namespace materialgen {
+namespace {
+
+// Decisions freeze values, frozen values fold more; a few rounds settle it.
+constexpr int kMaximumPasses = 6;
+// A kernel beyond this compiles for minutes; nothing that an artist made is near it.
+constexpr size_t kMaximumExpressions = 20000;
+constexpr size_t kMaximumSource = 400000;
+
+class GeneratorImpl final : public Generator {
+ public:
+  explicit GeneratorImpl(std::unique_ptr<Library> library) : library_(std::move(library)) {}
+
+  bool Supports(const MaterialNetwork& network, std::string* unsupportedNode) const override {
+    std::vector<Message> messages;
+    Expressions expressions(&kNoneFrozen_);
+    Builder builder(library_.get(), network, &expressions, false);
+    builder.Build();
+    for (const Message& message : builder.TakeMessages()) {
+      if (message.severity != Severity::Error) continue;
+      if (unsupportedNode) *unsupportedNode = message.location;
+      return false;
+    }
+    return true;
+  }
+
+  CompiledMaterial Generate(const MaterialNetwork& network, const MessageSink& sink) override {
+    CompiledMaterial result = Compile(network, sink);
+    const std::lock_guard lock(mutex_);
+    // Equal topologies share one kernel object.
+    result.kernel = kernels_.emplace(result.kernel->key, result.kernel).first->second;
+    return result;
+  }
+
+  CompiledMaterial GenerateDefault() override {
+    MaterialNetwork network;
+    network.path = "(default material)";
+    network.surfaceNode = "surface";
+    network.surfaceOutput = "surface";
+    const std::array<float, 3> gray{0.18f, 0.18f, 0.18f};
+    network.nodes = {
+        {"surface", "UsdPreviewSurface", {}},
+        {"color", "UsdPrimvarReader_float3", {{"varname", std::string("displayColor")}, {"fallback", gray}}},
+        {"opacity", "UsdPrimvarReader_float", {{"varname", std::string("displayOpacity")}, {"fallback", 1.0f}}},
+    };
+    network.connections = {
+        {"color", "result", "surface", "diffuseColor"},
+        {"opacity", "result", "surface", "opacity"},
+    };
+    return Generate(network, [](const Message&) {});
+  }
+
+ private:
+  CompiledMaterial Compile(const MaterialNetwork& network, const MessageSink& sink) const {
+    std::vector<std::string> frozen;
+    bool transmits = false;
+    for (int pass = 0;; ++pass) {
+      Expressions expressions(&frozen);
+      Builder builder(library_.get(), network, &expressions, transmits);
+      const Material material = builder.Build();
+      const std::vector<std::string>& more = expressions.NewlyFrozen();
+      const bool isSettled = more.empty() && material.closure.transmits == transmits;
+      if (!isSettled && pass + 1 < kMaximumPasses) {
+        frozen.insert(frozen.end(), more.begin(), more.end());
+        transmits = material.closure.transmits;
+        continue;
+      }
+      std::vector<Message> messages = builder.TakeMessages();
+      std::set<std::string> seen;
+      std::string functions;
+      for (const std::string& file : builder.FunctionFiles()) functions += library_->FunctionSource(library_->Resolve(file), &seen);
+      const bool isTooLarge = expressions.size() > kMaximumExpressions;
+      CompiledMaterial result;
+      if (!isTooLarge) result = Emit(&expressions, material, functions);
+      if (isTooLarge || result.kernel->surface.size() > kMaximumSource) {
+        messages.push_back({Severity::Error, "material-too-large", network.path,
+                            "the material is too large to compile; it shows magenta"});
+        MaterialNetwork empty;
+        empty.path = network.path;
+        result = Compile(empty, [](const Message&) {});
+      }
+      for (const Message& message : messages) {
+        if (sink) sink(message);
+      }
+      return result;
+    }
+  }
+
+  std::unique_ptr<Library> library_;
+  const std::vector<std::string> kNoneFrozen_;
+  std::mutex mutex_;
+  std::unordered_map<std::string, std::shared_ptr<const KernelSource>> kernels_;
+};
+
+}  // namespace
+
+std::unique_ptr<Generator> Generator::Create(const std::string& libraryPath, const MessageSink& sink) {
+  std::string error;
+  std::unique_ptr<Library> library = Library::Load(libraryPath, &error);
+  if (!library) {
+    if (sink) sink({Severity::Error, "materialx-libraries-missing", libraryPath, error});
+    return nullptr;
+  }
+  return std::make_unique<GeneratorImpl>(std::move(library));
+}
+
+}  // namespace materialgen

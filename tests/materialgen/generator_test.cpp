@@ -1,0 +1,426 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the hdWavefront authors
+// Networks -> kernels: what shares a kernel, what compiles, and what bad input does.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <iostream>
+#include <limits>
+#include <random>
+#include <set>
+#include <thread>
+
+#include "materialgen/materialgen.h"
+#include "tests/materialgen/mtlx_network.h"
+
+namespace materialgen {
+namespace {
+
+using Color = std::array<float, 3>;
+
+Generator& SharedGenerator() {
+  static const std::unique_ptr<Generator> generator = Generator::Create(HDWAVEFRONT_MATERIALX_LIBRARIES, [](const Message& m) {
+    std::cerr << m.code << ": " << m.text << "\n";
+  });
+  return *generator;
+}
+
+struct Result {
+  CompiledMaterial material;
+  std::vector<Message> messages;
+  bool Has(const std::string& code) const {
+    return std::any_of(messages.begin(), messages.end(), [&](const Message& m) { return m.code == code; });
+  }
+};
+
+Result RunNetwork(const MaterialNetwork& network) {
+  Result result;
+  result.material = SharedGenerator().Generate(network, [&](const Message& m) { result.messages.push_back(m); });
+  return result;
+}
+
+std::string NumberedLines(const std::string& source) {
+  std::string out;
+  size_t line = 1, at = 0;
+  while (at < source.size()) {
+    const size_t end = source.find('\n', at);
+    out += std::to_string(line++) + ": " + source.substr(at, end - at) + "\n";
+    if (end == std::string::npos) break;
+    at = end + 1;
+  }
+  return out;
+}
+
+// Every entry of the kernel compiles; returns the words of SPIR-V of the surface.
+size_t ExpectCompiles(const CompiledMaterial& material, const std::string& name) {
+  size_t words = 0;
+  const KernelSource& kernel = *material.kernel;
+  const std::pair<const char*, const std::string*> entries[] = {
+      {"surface", &kernel.surface}, {"opacity", &kernel.opacity}, {"emission", &kernel.emission}};
+  for (const auto& [entry, source] : entries) {
+    if (source->empty()) continue;
+    std::string error;
+    const std::vector<uint32_t> spirv = CompileGlsl(*source, name + "." + entry, &error);
+    EXPECT_FALSE(spirv.empty()) << error << "\n" << NumberedLines(*source);
+    if (source == &kernel.surface) words = spirv.size();
+  }
+  EXPECT_EQ(material.parameters.size() % 4, 0u);
+  for (const ParameterSlot& slot : material.slots) EXPECT_LE(slot.offset + slot.components, material.parameters.size());
+  return words;
+}
+
+MaterialNetwork Preview(std::map<std::string, Value> parameters = {}) {
+  MaterialNetwork network;
+  network.path = "/Looks/m";
+  network.nodes = {{"/Looks/m/surface", "UsdPreviewSurface", std::move(parameters)}};
+  network.surfaceNode = "/Looks/m/surface";
+  network.surfaceOutput = "surface";
+  return network;
+}
+
+// A texture and its primvar reader, connected to `input` of the surface.
+void AddTexture(MaterialNetwork* network, const std::string& input, const std::string& output, const std::string& file,
+                std::map<std::string, Value> parameters = {}) {
+  const std::string texture = "/Looks/m/texture_" + input, reader = "/Looks/m/reader";
+  parameters["file"] = AssetValue{file, "/resolved/" + file, ""};
+  network->nodes.push_back({texture, "UsdUVTexture", std::move(parameters)});
+  if (std::none_of(network->nodes.begin(), network->nodes.end(), [&](const Node& n) { return n.path == reader; })) {
+    network->nodes.push_back({reader, "UsdPrimvarReader_float2", {{"varname", std::string("st")}}});
+  }
+  network->connections.push_back({texture, output, network->surfaceNode, input});
+  network->connections.push_back({reader, "result", texture, "st"});
+}
+
+std::vector<std::string> Lobes(const Result& result) { return result.material.kernel->lobes; }
+
+TEST(MaterialGen, DefaultMaterialReadsDisplayPrimvars) {
+  const CompiledMaterial material = SharedGenerator().GenerateDefault();
+  ExpectCompiles(material, "default");
+  EXPECT_EQ(std::set<std::string>(material.kernel->primvars.begin(), material.kernel->primvars.end()),
+            (std::set<std::string>{"displayColor", "displayOpacity"}));
+  EXPECT_FALSE(material.kernel->opacity.empty());
+  EXPECT_TRUE(material.kernel->emission.empty());
+}
+
+TEST(MaterialGen, PlainPreviewSurfaceIsDiffuseAndOneSpecular) {
+  const Result result = RunNetwork(Preview());
+  EXPECT_EQ(Lobes(result), (std::vector<std::string>{"oren_nayar", "generalized_schlick"}));
+  EXPECT_TRUE(result.material.kernel->opacity.empty());
+  EXPECT_TRUE(result.material.kernel->emission.empty());
+  EXPECT_TRUE(result.material.kernel->primvars.empty());
+  EXPECT_TRUE(result.messages.empty());
+  ExpectCompiles(result.material, "plain");
+}
+
+// Every input with a value of its own, and with a texture: compiles, and asks for what it should.
+TEST(MaterialGen, EveryPreviewSurfaceInputCompiles) {
+  const std::map<std::string, Value> values = {
+      {"diffuseColor", Color{0.5f, 0.2f, 0.1f}}, {"emissiveColor", Color{1, 2, 3}}, {"useSpecularWorkflow", int32_t(1)},
+      {"specularColor", Color{0.1f, 0.2f, 0.3f}}, {"metallic", 0.5f}, {"roughness", 0.1f}, {"clearcoat", 0.3f},
+      {"clearcoatRoughness", 0.2f}, {"opacity", 0.5f}, {"opacityMode", std::string("presence")},
+      {"opacityThreshold", 0.4f}, {"ior", 1.3f}, {"normal", Color{0, 0, 1}}, {"displacement", 0.1f}, {"occlusion", 0.5f}};
+  for (const auto& [name, value] : values) {
+    const Result result = RunNetwork(Preview({{name, value}}));
+    ExpectCompiles(result.material, name);
+    EXPECT_EQ(result.Has("material-unsupported-feature"), name == "displacement") << name;
+    if (name == "useSpecularWorkflow" || name == "opacityMode") continue;
+    MaterialNetwork network = Preview();
+    const bool isColor = std::holds_alternative<Color>(value);
+    AddTexture(&network, name, isColor ? "rgb" : "r", name + ".png");
+    const Result textured = RunNetwork(network);
+    ExpectCompiles(textured.material, name + " texture");
+    const bool isUsed = name != "displacement" && name != "occlusion" && name != "specularColor" &&
+                        name != "clearcoatRoughness" && name != "opacityThreshold";
+    EXPECT_EQ(textured.material.textures.size(), isUsed ? 1u : 0u) << name;
+  }
+  const Result all = RunNetwork(Preview(values));
+  ExpectCompiles(all.material, "all");
+}
+
+TEST(MaterialGen, MetallicPrunesDiffuse) {
+  EXPECT_EQ(Lobes(RunNetwork(Preview({{"metallic", 1.0f}}))), (std::vector<std::string>{"conductor"}));
+  EXPECT_EQ(Lobes(RunNetwork(Preview({{"metallic", 0.5f}}))),
+            (std::vector<std::string>{"oren_nayar", "conductor", "generalized_schlick"}));
+  EXPECT_EQ(Lobes(RunNetwork(Preview({{"clearcoat", 0.5f}}))),
+            (std::vector<std::string>{"generalized_schlick", "oren_nayar", "generalized_schlick"}));
+}
+
+TEST(MaterialGen, ValueEditsKeepTheKernel) {
+  const Result a = RunNetwork(Preview());
+  const Result b = RunNetwork(Preview({{"diffuseColor", Color{0.9f, 0.1f, 0.3f}}, {"roughness", 0.23f}, {"ior", 1.8f}}));
+  EXPECT_EQ(a.material.kernel, b.material.kernel);
+  EXPECT_NE(a.material.parameters, b.material.parameters);
+  // Accidental equality of two values is no structure either.
+  EXPECT_EQ(a.material.kernel, RunNetwork(Preview({{"diffuseColor", Color{0.5f, 0.5f, 0.5f}}, {"roughness", 0.5f}})).material.kernel);
+  const Result c = RunNetwork(Preview({{"clearcoat", 0.2f}}));
+  EXPECT_NE(a.material.kernel->key, c.material.kernel->key) << "a pruned lobe woke up";
+  EXPECT_EQ(c.material.kernel, RunNetwork(Preview({{"clearcoat", 0.9f}, {"clearcoatRoughness", 0.4f}})).material.kernel);
+}
+
+TEST(MaterialGen, NamesAndTexturesAreNotTopology) {
+  MaterialNetwork a = Preview(), b = Preview();
+  AddTexture(&a, "diffuseColor", "rgb", "a.png");
+  AddTexture(&a, "roughness", "g", "r.png");
+  AddTexture(&b, "roughness", "g", "other.png");
+  AddTexture(&b, "diffuseColor", "rgb", "b.png", {{"scale", std::array<float, 4>{2, 2, 2, 2}}});
+  b.path = "/Elsewhere/n";
+  const auto rename = [](std::string* path) { *path = "/Elsewhere/zz" + std::string(path->rbegin(), path->rend()); };
+  for (Node& node : b.nodes) rename(&node.path);
+  for (Connection& c : b.connections) rename(&c.upstreamNode), rename(&c.downstreamNode);
+  rename(&b.surfaceNode);
+  std::reverse(b.nodes.begin(), b.nodes.end());
+  std::reverse(b.connections.begin(), b.connections.end());
+  const Result ra = RunNetwork(a), rb = RunNetwork(b);
+  EXPECT_EQ(ra.material.kernel, rb.material.kernel) << ra.material.kernel->surface << rb.material.kernel->surface;
+  ASSERT_EQ(ra.material.textures.size(), 2u);
+  ASSERT_EQ(rb.material.textures.size(), 2u);
+  EXPECT_EQ(ra.material.textures[0].offset, rb.material.textures[0].offset);
+  EXPECT_EQ(ra.material.textures[0].sourceColorSpace, "auto");
+  ExpectCompiles(ra.material, "textured");
+}
+
+TEST(MaterialGen, TwoGeneratorsAgreeToTheByte) {
+  const auto other = Generator::Create(HDWAVEFRONT_MATERIALX_LIBRARIES, {});
+  ASSERT_NE(other, nullptr);
+  MaterialNetwork network = Preview({{"clearcoat", 0.5f}, {"opacity", 0.5f}, {"metallic", 0.3f}});
+  AddTexture(&network, "normal", "rgb", "n.png", {{"scale", std::array<float, 4>{2, 2, 2, 1}}});
+  const CompiledMaterial a = RunNetwork(network).material, b = other->Generate(network, {});
+  EXPECT_EQ(a.kernel->key, b.kernel->key);
+  EXPECT_EQ(a.kernel->surface, b.kernel->surface);
+  EXPECT_EQ(a.parameters, b.parameters);
+}
+
+TEST(MaterialGen, OpacityModes) {
+  const auto opacity = [](std::map<std::string, Value> p) { return !RunNetwork(Preview(std::move(p))).material.kernel->opacity.empty(); };
+  EXPECT_FALSE(opacity({{"opacity", 1.0f}}));
+  EXPECT_TRUE(opacity({{"opacity", 0.99f}}));
+  EXPECT_TRUE(opacity({{"opacity", 0.5f}, {"opacityMode", std::string("presence")}}));
+  EXPECT_FALSE(opacity({{"opacity", 0.5f}, {"opacityThreshold", 0.25f}})) << "above the threshold: opaque";
+  EXPECT_TRUE(opacity({{"opacity", 0.2f}, {"opacityThreshold", 0.25f}})) << "below the threshold: absent";
+}
+
+TEST(MaterialGen, EmissionEntryOnlyWhereItEmits) {
+  EXPECT_TRUE(RunNetwork(Preview({{"emissiveColor", Color{0, 0, 0}}})).material.kernel->emission.empty());
+  EXPECT_FALSE(RunNetwork(Preview({{"emissiveColor", Color{0, 0.1f, 0}}})).material.kernel->emission.empty());
+}
+
+TEST(MaterialGen, UnknownNodesAreNamedAndShow) {
+  MaterialNetwork network = Preview();
+  network.nodes.push_back({"/Looks/m/strange", "ND_no_such_node", {}});
+  network.connections.push_back({"/Looks/m/strange", "out", network.surfaceNode, "diffuseColor"});
+  const Result result = RunNetwork(network);
+  ASSERT_EQ(result.messages.size(), 1u);
+  EXPECT_EQ(result.messages[0].code, "material-unknown-node");
+  EXPECT_EQ(result.messages[0].location, "/Looks/m/strange");
+  ExpectCompiles(result.material, "unknown");
+  std::string where;
+  EXPECT_FALSE(SharedGenerator().Supports(network, &where));
+  EXPECT_EQ(where, "/Looks/m/strange");
+  EXPECT_TRUE(SharedGenerator().Supports(Preview(), nullptr));
+}
+
+TEST(MaterialGen, MalformedNetworks) {
+  MaterialNetwork empty;
+  EXPECT_TRUE(RunNetwork(empty).Has("material-no-surface"));
+  ExpectCompiles(RunNetwork(empty).material, "empty");
+
+  MaterialNetwork unknown = Preview();
+  unknown.nodes[0].identifier = "NoSuchSurface";
+  EXPECT_TRUE(RunNetwork(unknown).Has("material-unknown-node"));
+  EXPECT_EQ(Lobes(RunNetwork(unknown)), (std::vector<std::string>{"oren_nayar"}));
+
+  MaterialNetwork notSurface = Preview();
+  notSurface.nodes[0].identifier = "UsdPrimvarReader_float";
+  EXPECT_TRUE(RunNetwork(notSurface).Has("material-no-surface"));
+
+  MaterialNetwork dangling = Preview();
+  dangling.connections.push_back({"/nowhere", "out", dangling.surfaceNode, "roughness"});
+  EXPECT_TRUE(RunNetwork(dangling).Has("material-dangling-connection"));
+
+  MaterialNetwork output = Preview();
+  output.nodes.push_back({"/t", "UsdUVTexture", {}});
+  output.connections.push_back({"/t", "nonsense", output.surfaceNode, "diffuseColor"});
+  EXPECT_TRUE(RunNetwork(output).Has("material-unknown-output"));
+
+  const Result type = RunNetwork(Preview({{"diffuseColor", std::string("red")}, {"roughness", AssetValue{"a", "b", ""}}}));
+  EXPECT_TRUE(type.Has("material-type-mismatch"));
+  ExpectCompiles(type.material, "type");
+
+  const Result bad = RunNetwork(Preview({{"roughness", std::numeric_limits<float>::quiet_NaN()}, {"ior", -1.0f}}));
+  EXPECT_TRUE(bad.Has("material-bad-value"));
+  for (float value : bad.material.parameters) EXPECT_TRUE(std::isfinite(value));
+}
+
+TEST(MaterialGen, Cycles) {
+  MaterialNetwork network = Preview();
+  network.nodes.push_back({"/a", "ND_add_color3", {}});
+  network.nodes.push_back({"/b", "ND_multiply_color3", {}});
+  network.connections = {{"/a", "out", network.surfaceNode, "diffuseColor"}, {"/b", "out", "/a", "in1"}, {"/a", "out", "/b", "in1"}};
+  const Result result = RunNetwork(network);
+  EXPECT_TRUE(result.Has("material-cycle"));
+  ExpectCompiles(result.material, "cycle");
+  MaterialNetwork self = Preview();
+  self.connections = {{self.surfaceNode, "surface", self.surfaceNode, "roughness"}};
+  EXPECT_TRUE(RunNetwork(self).Has("material-cycle"));
+}
+
+// `count` nodes in a row: values fold on the CPU; what a texture feeds has a bound.
+TEST(MaterialGen, LongChains) {
+  for (const bool isTextured : {false, true}) {
+    for (const char* kind : {"ND_add_color3", "ND_multiply_color3", "ND_mix_color3", "ND_power_color3"}) {
+      MaterialNetwork network = Preview();
+      std::string upstream;
+      for (int i = 0; i < 10000; ++i) {
+        const std::string path = "/n" + std::to_string(i);
+        network.nodes.push_back({path, kind, {{i % 2 ? "in1" : "in2", Color{0.999f, 0.5f, 0.1f}}}});
+        const std::string input = std::string(kind) == "ND_mix_color3" ? "bg" : "in1";
+        if (i) network.connections.push_back({upstream, "out", path, input});
+        upstream = path;
+      }
+      network.connections.push_back({upstream, "out", network.surfaceNode, "diffuseColor"});
+      if (isTextured) {
+        network.nodes.push_back({"/t", "UsdUVTexture", {{"file", AssetValue{"a.png", "a.png", ""}}}});
+        network.connections.push_back({"/t", "rgb", "/n0", "in1"});
+        network.connections.push_back({"/t", "rgb", "/n0", "bg"});
+      }
+      const auto start = std::chrono::steady_clock::now();
+      const Result result = RunNetwork(network);
+      EXPECT_LT(std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(), 20.0) << kind;
+      if (!isTextured) ExpectCompiles(result.material, kind);
+    }
+  }
+}
+
+TEST(MaterialGen, LongClosureChain) {
+  MaterialNetwork network;
+  network.path = "/m";
+  network.nodes.push_back({"/surface", "ND_surface", {}});
+  network.surfaceNode = "/surface";
+  network.surfaceOutput = "out";
+  network.nodes.push_back({"/d", "ND_oren_nayar_diffuse_bsdf", {}});
+  std::string upstream = "/d";
+  for (int i = 0; i < 10000; ++i) {
+    const std::string path = "/n" + std::to_string(i);
+    network.nodes.push_back({path, "ND_multiply_bsdfF", {{"in2", 0.9999f}}});
+    network.connections.push_back({upstream, "out", path, "in1"});
+    upstream = path;
+  }
+  network.connections.push_back({upstream, "out", "/surface", "bsdf"});
+  ExpectCompiles(RunNetwork(network).material, "closure chain");
+}
+
+// Random wiring of random nodes, wrong types and all: no crash, and what comes out compiles.
+TEST(MaterialGen, FuzzedNetworks) {
+  const std::vector<std::string> kinds = {
+      "UsdPreviewSurface", "UsdUVTexture", "UsdPrimvarReader_float2", "UsdTransform2d", "ND_add_color3", "ND_mix_float",
+      "ND_multiply_vector2", "ND_image_color3", "ND_noise2d_float", "ND_fractal3d_vector3", "ND_ifgreater_color3",
+      "ND_switch_float", "ND_combine3_color3", "ND_separate4_color4", "ND_standard_surface_surfaceshader", "ND_normalmap_float",
+      "ND_layer_bsdf", "ND_mix_bsdf", "ND_dielectric_bsdf", "ND_conductor_bsdf", "ND_sheen_bsdf", "ND_uniform_edf", "ND_surface",
+      "ND_place2d_vector2", "ND_tiledimage_color3", "ND_ramplr_color3", "ND_hsvadjust_color3", "ND_contrast_float", "Nonsense",
+      "ND_convert_float_color3", "ND_extract_color3", "ND_rotate3d_vector3", "ND_creatematrix_vector3_matrix33",
+      "ND_transformmatrix_vector3", "ND_position_vector3", "ND_geompropvalue_color3", "ND_ifequal_colorB", "ND_mix_surfaceshader"};
+  const std::vector<std::string> inputs = {"in", "in1", "in2", "fg", "bg", "mix", "diffuseColor", "opacity", "normal", "st", "file",
+                                           "texcoord", "base", "top", "bsdf", "edf", "color", "roughness", "weight", "which",
+                                           "value1", "base_color", "coat", "transmission", "varname", "geomprop", "mat", "tangent"};
+  const std::vector<std::string> outputs = {"out", "rgb", "r", "a", "result", "outx", "surface", ""};
+  std::mt19937 random(7);
+  const auto pick = [&](const std::vector<std::string>& from) { return from[random() % from.size()]; };
+  for (int round = 0; round < 300; ++round) {
+    MaterialNetwork network;
+    network.path = "/fuzz" + std::to_string(round);
+    const int count = 2 + int(random() % 12);
+    for (int i = 0; i < count; ++i) {
+      Node node{"/n" + std::to_string(i), i == 0 ? (round % 2 ? "UsdPreviewSurface" : "ND_standard_surface_surfaceshader") : pick(kinds), {}};
+      for (int k = int(random() % 4); k-- > 0;) {
+        const Value values[] = {0.5f, int32_t(random() % 4), true, Color{0.1f, 0.9f, 0.5f}, std::array<float, 2>{1, 2},
+                                std::array<float, 4>{1, 2, 3, 4}, std::string("text"), AssetValue{"a.png", "a.png", ""}, {}};
+        node.parameters[pick(inputs)] = values[random() % std::size(values)];
+      }
+      network.nodes.push_back(std::move(node));
+    }
+    for (int k = int(random() % (3 * unsigned(count))); k-- > 0;) {
+      network.connections.push_back({"/n" + std::to_string(random() % unsigned(count)), pick(outputs),
+                                     "/n" + std::to_string(random() % unsigned(count)), pick(inputs)});
+    }
+    network.surfaceNode = "/n0";
+    network.surfaceOutput = "out";
+    ExpectCompiles(RunNetwork(network).material, network.path);
+    if (HasFailure()) return;
+  }
+}
+
+TEST(MaterialGen, ThreadsShareOneGenerator) {
+  std::vector<std::thread> threads;
+  std::vector<std::string> keys(4);
+  for (size_t i = 0; i < keys.size(); ++i) {
+    threads.emplace_back([&keys, i] {
+      for (int k = 0; k < 10; ++k) {
+        const CompiledMaterial material = RunNetwork(Preview({{"clearcoat", 0.1f * float(k + 1)}})).material;
+        std::string error;
+        if (k == 0 && CompileGlsl(material.kernel->surface, "threads", &error).empty()) keys[i] = error;
+        else keys[i] = material.kernel->key;
+      }
+    });
+  }
+  for (std::thread& thread : threads) thread.join();
+  for (const std::string& key : keys) EXPECT_EQ(key, keys[0]);
+}
+
+TEST(MaterialGen, MissingLibrariesAreSaid) {
+  std::vector<Message> messages;
+  EXPECT_EQ(Generator::Create("/no/such/folder", [&](const Message& m) { messages.push_back(m); }), nullptr);
+  ASSERT_EQ(messages.size(), 1u);
+  EXPECT_EQ(messages[0].code, "materialx-libraries-missing");
+}
+
+std::filesystem::path Assets() {
+  if (const char* assets = std::getenv("HDWAVEFRONT_ASSETS")) return assets;
+  return std::filesystem::path(HDWAVEFRONT_SOURCE_DIR) / "../shared/assets";
+}
+
+// All example materials of MaterialX that use the surfaces of this issue.
+TEST(MaterialGen, MaterialXExamplesCompile) {
+  const std::filesystem::path root = Assets() / "materialx/resources/Materials/Examples";
+  if (!std::filesystem::exists(root)) GTEST_SKIP() << "no assets at " << root << "; set HDWAVEFRONT_ASSETS";
+  for (const char* folder : {"StandardSurface", "UsdPreviewSurface"}) {
+    for (const auto& file : std::filesystem::directory_iterator(root / folder)) {
+      if (file.path().extension() != ".mtlx") continue;
+      const auto networks = materialgen_test::NetworksOf(file.path().string(), HDWAVEFRONT_MATERIALX_LIBRARIES);
+      EXPECT_FALSE(networks.empty()) << file.path();
+      for (const MaterialNetwork& network : networks) {
+        const auto start = std::chrono::steady_clock::now();
+        const Result result = RunNetwork(network);
+        const auto generated = std::chrono::steady_clock::now();
+        const size_t words = ExpectCompiles(result.material, file.path().filename().string());
+        const auto compiled = std::chrono::steady_clock::now();
+        for (const Message& m : result.messages) {
+          EXPECT_NE(m.severity, Severity::Error) << file.path() << " " << m.code << " " << m.location << ": " << m.text;
+        }
+        const std::string& source = result.material.kernel->surface;
+        const auto ms = [](auto from, auto to) { return std::chrono::duration<double, std::milli>(to - from).count(); };
+        std::cout << file.path().filename().string() << ": " << std::count(source.begin(), source.end(), '\n') << " lines, "
+                  << words * 4 / 1024 << " KiB SPIR-V, " << result.material.kernel->lobes.size() << " lobes, generate "
+                  << ms(start, generated) << " ms, compile " << ms(generated, compiled) << " ms\n";
+      }
+    }
+  }
+}
+
+// To read generated code: HDWAVEFRONT_DUMP=file.mtlx hdwavefront_tests --gtest_filter=MaterialGen.Dump
+TEST(MaterialGen, Dump) {
+  const char* file = std::getenv("HDWAVEFRONT_DUMP");
+  if (!file) GTEST_SKIP() << "set HDWAVEFRONT_DUMP to a .mtlx file to see its kernels";
+  for (const MaterialNetwork& network : materialgen_test::NetworksOf(file, HDWAVEFRONT_MATERIALX_LIBRARIES)) {
+    const Result result = RunNetwork(network);
+    for (const Message& m : result.messages) std::cout << "// " << m.code << " " << m.location << ": " << m.text << "\n";
+    std::cout << "// " << network.path << " " << result.material.kernel->key << "\n" << result.material.kernel->surface
+              << result.material.kernel->opacity << result.material.kernel->emission;
+  }
+}
+
+}  // namespace
+}  // namespace materialgen

@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the hdWavefront authors
+#include "tests/materialgen/mtlx_network.h"
+
+#include <MaterialXCore/Document.h>
+#include <MaterialXFormat/Util.h>
+#include <MaterialXFormat/XmlIo.h>
+
+#include <set>
+
+namespace mx = MaterialX;
+using materialgen::MaterialNetwork;
+using materialgen::Node;
+using materialgen::Value;
+
+namespace materialgen_test {
+namespace {
+
+template <size_t N, typename V>
+Value Numbers(const V& from) {
+  std::array<float, N> result;
+  for (size_t i = 0; i < N; ++i) result[i] = from[i];
+  return result;
+}
+
+Value ValueOf(const mx::InputPtr& input) {
+  const std::string type = input->getType();
+  if (type == "filename") {
+    const std::string path = input->getResolvedValueString();
+    return materialgen::AssetValue{path, path, input->getActiveColorSpace()};
+  }
+  const mx::ValuePtr value = input->getValue();
+  if (!value) return {};
+  if (value->isA<bool>()) return value->asA<bool>();
+  if (value->isA<int>()) return int32_t(value->asA<int>());
+  if (value->isA<float>()) return value->asA<float>();
+  if (value->isA<mx::Vector2>()) return Numbers<2>(value->asA<mx::Vector2>());
+  if (value->isA<mx::Vector3>()) return Numbers<3>(value->asA<mx::Vector3>());
+  if (value->isA<mx::Vector4>()) return Numbers<4>(value->asA<mx::Vector4>());
+  if (value->isA<mx::Color3>()) return Numbers<3>(value->asA<mx::Color3>());
+  if (value->isA<mx::Color4>()) return Numbers<4>(value->asA<mx::Color4>());
+  return input->getValueString();
+}
+
+// Nodes and node graphs of the file, graphs flattened into the one list.
+class Reader {
+ public:
+  explicit Reader(MaterialNetwork* network) : network_(*network) {}
+
+  std::string Add(const mx::NodePtr& node) {
+    const std::string path = "/" + node->getNamePath();
+    if (!added_.insert(path).second) return path;
+    const mx::NodeDefPtr definition = node->getNodeDef();
+    const size_t index = network_.nodes.size();
+    network_.nodes.push_back({path, definition ? definition->getName() : node->getCategory(), {}});
+    for (const mx::InputPtr& input : node->getInputs()) Read(index, path, input, input->getName());
+    return path;
+  }
+
+ private:
+  void Read(size_t index, const std::string& path, const mx::InputPtr& source, const std::string& name) {
+    const mx::InputPtr interface = source->getInterfaceInput();
+    const mx::InputPtr input = interface ? interface : source;
+    mx::OutputPtr output = input->getConnectedOutput();
+    mx::NodePtr upstream = input->getConnectedNode();
+    std::string outputName = input->getOutputString();
+    if (output && output->getConnectedNode() && !input->hasNodeName()) {
+      upstream = output->getConnectedNode();
+      outputName = output->getOutputString();
+    }
+    if (upstream) {
+      network_.connections.push_back({Add(upstream), outputName.empty() ? "out" : outputName, path, name});
+    } else {
+      network_.nodes[index].parameters[name] = ValueOf(input);
+    }
+  }
+
+  MaterialNetwork& network_;
+  std::set<std::string> added_;
+};
+
+}  // namespace
+
+std::vector<MaterialNetwork> NetworksOf(const std::string& mtlxFile, const std::string& libraryPath) {
+  std::vector<MaterialNetwork> networks;
+  try {
+    static const mx::DocumentPtr library = [&] {
+      mx::DocumentPtr document = mx::createDocument();
+      mx::loadLibraries({"targets", "stdlib", "pbrlib", "bxdf", "cmlib", "nprlib"}, mx::FileSearchPath(libraryPath), document);
+      return document;
+    }();
+    mx::DocumentPtr document = mx::createDocument();
+    mx::readFromXmlFile(document, mtlxFile);
+    document->setDataLibrary(library);
+    for (const mx::NodePtr& material : document->getMaterialNodes()) {
+      const mx::InputPtr input = material->getInput("surfaceshader");
+      const mx::NodePtr surface = input ? input->getConnectedNode() : nullptr;
+      if (!surface) continue;
+      MaterialNetwork network;
+      network.path = "/" + material->getName();
+      network.surfaceNode = Reader(&network).Add(surface);
+      network.surfaceOutput = "out";
+      networks.push_back(std::move(network));
+    }
+  } catch (const std::exception&) {
+    return {};
+  }
+  return networks;
+}
+
+}  // namespace materialgen_test

@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the hdWavefront authors
+// What generated materials call besides the readers of geometry.glsl and textures.glsl: pattern nodes that are ours,
+// frames of closures, and the weighting of lobes.
+#ifndef WAVEFRONT_LIB_PATTERN_GLSL
+#define WAVEFRONT_LIB_PATTERN_GLSL
+#include "lib/frame.glsl"
+#include "lib/geometry.glsl"
+#include "lib/shading_point.glsl"
+#include "lib/textures.glsl"
+
+// The shading normal on the same side of wo as the geometry: lobes take the sign of wo.z for inside and outside, and a
+// mapped normal may bend past the horizon.
+vec3 patternNormal(ShadingPoint sp, vec3 n) {
+  float side = sp.frontFacing ? 1.0 : -1.0;
+  float l2 = dot(n, n);
+  n = l2 > 0.0 ? n * inversesqrt(l2) : sp.normalWorld;
+  float cosine = side * dot(n, sp.wo);
+  return cosine < 0.01 ? normalize(n + sp.wo * (side * (0.01 - cosine))) : n;
+}
+Frame patternFrame(ShadingPoint sp, vec3 n) { return frameFromNormal(patternNormal(sp, n)); }
+Frame patternFrameTangent(ShadingPoint sp, vec3 n, vec3 t) { return frameFromNormalTangent(patternNormal(sp, n), t); }
+
+vec3 patternTangent(ShadingPoint sp, uint slot) {
+  vec3 t, b;
+  primvarTangents(sp, slot, t, b);
+  return t;
+}
+vec3 patternBitangent(ShadingPoint sp, uint slot) {
+  vec3 t, b;
+  primvarTangents(sp, slot, t, b);
+  return b;
+}
+
+// A normal in tangent space, components from -1 to 1.
+vec3 patternNormalMap(vec3 value, vec2 scale, vec3 n, vec3 t, vec3 b) {
+  vec3 result = t * (value.x * scale.x) + b * (value.y * scale.y) + n * value.z;
+  float l2 = dot(result, result);
+  return l2 > 1e-12 ? result * inversesqrt(l2) : n;
+}
+
+vec4 patternImage(uint textureId, vec2 uv, float footprint, uint wrapU, uint wrapV, vec4 outside, vec4 fallback) {
+  return textureExists(textureId) ? textureRead(textureId, uv, footprint, wrapU, wrapV, outside) : fallback;
+}
+
+float patternMaximumAbs(float v) { return abs(v); }
+float patternMaximumAbs(vec2 v) { return max(abs(v.x), abs(v.y)); }
+float patternMaximumAbs(vec3 v) { return max(max(abs(v.x), abs(v.y)), abs(v.z)); }
+float patternMaximumAbs(vec4 v) { return max(patternMaximumAbs(v.xy), patternMaximumAbs(v.zw)); }
+
+// MaterialX rotate2d; degrees.
+vec2 patternRotate2d(vec2 v, float amount) {
+  float angle = radians(amount);
+  float s = sin(angle), c = cos(angle);
+  return vec2(c * v.x + s * v.y, c * v.y - s * v.x);
+}
+
+// MaterialX roughness_anisotropy: GGX alpha along and across the tangent.
+vec2 patternRoughnessAnisotropy(float roughness, float anisotropy) {
+  float alpha = clamp(roughness * roughness, 1e-6, 1.0);
+  float aspect = sqrt(1.0 - clamp(anisotropy, 0.0, 0.98));
+  return vec2(min(alpha / aspect, 1.0), alpha * aspect);
+}
+vec2 patternIsotropicAlpha(float roughness) { return vec2(clamp(roughness * roughness, 1e-6, 1.0)); }
+
+// Gulbrandsen 2014, "Artist Friendly Metallic Fresnel", equations 4 to 9.
+vec3 patternArtisticIor(vec3 reflectivity, vec3 edge) {
+  vec3 r = clamp(reflectivity, 0.0, 0.99);
+  vec3 root = sqrt(r);
+  return mix((1.0 + root) / (1.0 - root), (1.0 - r) / (1.0 + r), edge);
+}
+vec3 patternArtisticExtinction(vec3 reflectivity, vec3 edge) {
+  vec3 r = clamp(reflectivity, 0.0, 0.99);
+  vec3 n = patternArtisticIor(reflectivity, edge);
+  vec3 above = n + 1.0, below = n - 1.0;
+  return sqrt(max((above * above * r - below * below) / (1.0 - r), 0.0));
+}
+
+// 0 at normal incidence, 1 at grazing.
+float patternSchlick(vec3 n, float exponent, float unused, vec3 wo) {
+  return pow(clamp(1.0 - abs(dot(n, wo)), 0.0, 1.0), exponent);
+}
+// MaterialX conical_edf: 1 within the inner angle, falling to 0 at the outer one; full angles, degrees.
+float patternCone(vec3 n, float inner, float outer, vec3 wo) {
+  float cosine = abs(dot(n, wo));
+  float from = cos(radians(0.5 * max(inner, outer))), to = cos(radians(0.5 * min(inner, outer)));
+  return from < to ? smoothstep(from, to, cosine) : float(cosine >= to);
+}
+
+// How likely a lobe is sampled, before normalising: by what it reflects, and a little by its weight, so that a lobe
+// that reflects nothing towards this wo on average can still be sampled where it does.
+float closureImportance(vec3 weight, vec3 albedo) {
+  float reflected = dot(max(albedo, vec3(0.0)), vec3(0.2126, 0.7152, 0.0722));
+  float possible = max(max(weight.x, weight.y), weight.z);
+  return possible > 0.0 ? reflected + 0.02 * possible : 0.0;
+}
+#endif
