@@ -53,6 +53,7 @@ class Render:
       ocio, display, view: colour configuration and how display-referred files look.
       color_mode: openColorIO, sRGB, disabled; None: openColorIO in PNG, JPEG and TIFF, scene-linear in EXR and HDR.
       rendering_space: the scene-linear space that is rendered in. camera_light: None = where nothing shines.
+      window_policy: how the aperture is fitted to the image, as UsdRenderSettings.aspectRatioConformPolicy has it.
       dome_visible: domes are seen by the camera. device: index or part of a name.
       on_diagnostic: called with each new `Diagnostic`. delegate: for tests.
       settings: values of render settings by token, such as {"maxBounces": 4}.
@@ -80,6 +81,7 @@ class Render:
         rendering_space: str = "",
         camera_light: bool | None = None,
         dome_visible: bool = False,
+        window_policy: str = "",
         device: str = "",
         on_diagnostic: Callable[[Diagnostic], None] | None = None,
         delegate: Any = None,
@@ -96,6 +98,7 @@ class Render:
         self._purposes = frozenset(purposes) | {"default"} if purposes is not None else None
         self._camera_light = camera_light
         self._dome_visible = dome_visible
+        self._window_policy = window_policy
         self._display, self._view = display, view
         self._color_mode = _color_mode(color_mode)
         self._settings = dict(settings or {})
@@ -254,7 +257,7 @@ class Render:
                 width=self.size[0],
                 height=self.size[1],
                 pixel_aspect_ratio=settings.pixel_aspect_ratio or 1.0,
-                window_policy=settings.window_policy or "expandAperture",
+                window_policy=self._window_policy or settings.window_policy or "expandAperture",
                 render_tags=sorted("geometry" if p == "default" else p for p in purposes),
                 aovs=self.aovs,
             )

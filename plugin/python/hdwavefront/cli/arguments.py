@@ -9,6 +9,14 @@ import argparse
 from typing import Any
 
 _COMPLEXITIES = ("low", "medium", "high", "veryhigh")
+# UsdRenderSettings' aspectRatioConformPolicy.
+WINDOW_POLICIES = (
+    "expandAperture",
+    "cropAperture",
+    "adjustApertureWidth",
+    "adjustApertureHeight",
+    "adjustPixelAspectRatio",
+)
 # Settings that have a flag of another name.
 _OWN_FLAGS = frozenset({"domeLightCameraVisibility"})
 
@@ -97,6 +105,12 @@ def _add_usdrecord_arguments(group: Any) -> None:
 def _add_own_arguments(group: Any) -> None:
     group.add_argument(
         "--imageHeight", type=int, help="Height in pixels (default: from the width and the camera's aspect)"
+    )
+    group.add_argument(
+        "--windowPolicy",
+        default="",
+        choices=WINDOW_POLICIES,
+        help="how the camera's aperture is fitted to the image (default: the RenderSettings prim's, else expandAperture)",
     )
     group.add_argument(
         "--enableCameraLight", action="store_true", help="add a camera light even if the stage shines by itself"

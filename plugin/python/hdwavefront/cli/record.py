@@ -95,6 +95,7 @@ def _open(args: argparse.Namespace, frame: float | str | None, printer: _Diagnos
         dome_visible=args.domeLightVisibility,
         device=args.device,
         on_diagnostic=printer,
+        window_policy=args.windowPolicy,
         settings=settings_from(args),
     )
 

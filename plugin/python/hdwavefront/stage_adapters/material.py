@@ -129,13 +129,25 @@ def material_contexts(translation: Translation, material: UsdShade.Material) -> 
     return contexts
 
 
+def _does_something(output: UsdShade.Output, what: str) -> bool:
+    """False for the displacement of a UsdPreviewSurface that is connected by habit and never set."""
+    sources = UsdShade.Utils.GetValueProducingAttributes(output)
+    if not sources:
+        return False
+    shader = UsdShade.Shader(sources[0].GetPrim())
+    if what == "displacement" and shader and shader.GetIdAttr().Get() == "UsdPreviewSurface":
+        value = shader.GetInput("displacement")
+        return bool(value) and (value.HasConnectedSource() or bool(value.Get()))
+    return True
+
+
 def _report_other_terminals(translation: Translation, material: UsdShade.Material) -> None:
     for context in translation.options.render_contexts:
         for output, what in (
             (material.GetDisplacementOutput(context), "displacement"),
             (material.GetVolumeOutput(context), "volume"),
         ):
-            if output and UsdShade.Utils.GetValueProducingAttributes(output):
+            if output and _does_something(output, what):
                 translation.diagnostics.warning(
                     f"material-{what}-unsupported", material.GetPath(), f"{what} is not rendered yet; it is ignored"
                 )
