@@ -429,7 +429,7 @@ Port Builder::EvaluateInline(const Node& node) {
     return result;
   }
   // The library's own helpers ("mx_mod") live in its mathematics.
-  if (code.find("mx_") != std::string::npos) functionFiles_.insert("lib/mx_math.glsl");
+  if (code.find("mx_") != std::string::npos) callsLibrary_ = true;
   result.id = e_.Make("inline", result.type, std::move(arguments), code);
   return result;
 }
@@ -458,7 +458,7 @@ Port Builder::EvaluateFunction(const Node& node, const std::string& output) {
     result.isUnknown = true;
     return result;
   }
-  functionFiles_.insert("lib/mx_math.glsl");
+  callsLibrary_ = true;
   functionFiles_.insert(node.definition->file);
   const Id call = e_.Make("call", Type::Call, std::move(arguments), signature);
   result.id = e_.Make("output", result.type, {call}, std::to_string(wanted));

@@ -50,6 +50,7 @@ class Builder {
     const NodeDefinition* owner = nullptr;  // definition whose graph holds it; null for nodes of the network
   };
   std::vector<Message> TakeMessages() { return std::move(messages_); }
+  bool CallsLibrary() const { return callsLibrary_; }
   const std::set<std::string>& FunctionFiles() const { return functionFiles_; }
 
  private:
@@ -91,6 +92,7 @@ class Builder {
   std::vector<Message> messages_;
   std::set<std::string> said_;
   std::set<std::string> functionFiles_;
+  bool callsLibrary_ = false;
 };
 
 // Nodes that are not left to the library's code: values, geometry, images, closures, surfaces (nodes.cpp, closures.cpp).

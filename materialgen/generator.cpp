@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the hdWavefront authors
 #include <mutex>
+#include <set>
 #include <unordered_map>
 
 #include "materialgen/builder.h"
@@ -78,7 +79,11 @@ class GeneratorImpl final : public Generator {
       std::vector<Message> messages = builder.TakeMessages();
       std::set<std::string> seen;
       std::string functions;
-      for (const std::string& file : builder.FunctionFiles()) functions += library_->FunctionSource(library_->Resolve(file), &seen);
+      if (builder.CallsLibrary()) {
+        // Its macros serve all the others.
+        functions = library_->FunctionSource(library_->MathFile(), &seen);
+        for (const std::string& file : builder.FunctionFiles()) functions += library_->FunctionSource(file, &seen);
+      }
       const bool isTooLarge = expressions.size() > kMaximumExpressions;
       CompiledMaterial result;
       if (!isTooLarge) result = Emit(&expressions, material, functions);

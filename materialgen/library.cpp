@@ -5,7 +5,7 @@
 #include <MaterialXCore/Document.h>
 #include <MaterialXFormat/Util.h>
 
-#include <algorithm>
+#include <filesystem>
 #include <sstream>
 
 namespace mx = MaterialX;
@@ -33,6 +33,9 @@ const std::unordered_map<std::string, std::string>& UsdIdentifiers() {
   };
   return *map;
 }
+
+// One spelling per file, so that each is included once.
+std::string Normalised(const std::string& path) { return std::filesystem::path(path).lexically_normal().string(); }
 
 }  // namespace
 
@@ -95,7 +98,7 @@ void Library::Impl::Add(const mx::NodeDefPtr& source) {
       definition->implementation = NodeDefinition::Implementation::Function;
       definition->source = code->getFunction();
       // Relative to the library file that names it.
-      definition->file = (mx::FilePath(code->getActiveSourceUri()).getParentPath() / code->getFile()).asString();
+      definition->file = Normalised((mx::FilePath(code->getActiveSourceUri()).getParentPath() / code->getFile()).asString());
     }
   }
   definitions.emplace(definition->name, std::move(definition));
@@ -192,9 +195,7 @@ const Graph* Library::GraphOf(const NodeDefinition& definition) {
   return impl_->graphs.emplace(definition.name, impl_->Read(definition)).first->second.get();
 }
 
-std::string Library::Resolve(const std::string& file) const {
-  return file.rfind("lib/", 0) == 0 ? impl_->path + "/stdlib/genglsl/" + file : file;
-}
+std::string Library::MathFile() const { return Normalised(impl_->path + "/stdlib/genglsl/lib/mx_math.glsl"); }
 
 std::string Library::FunctionSource(const std::string& file, std::set<std::string>* seen) {
   const std::lock_guard lock(impl_->mutex);
@@ -207,8 +208,8 @@ std::string Library::FunctionSource(const std::string& file, std::set<std::strin
       if (line.rfind("#include", 0) == 0 && begin != std::string::npos) {
         const std::string name = line.substr(begin + 1, line.find('"', begin + 1) - begin - 1);
         // Includes are relative to the file, or to the target's folder of the standard library.
-        const std::string beside = folder + name;
-        const std::string standard = impl_->path + "/stdlib/genglsl/" + name;
+        const std::string beside = Normalised(folder + name);
+        const std::string standard = Normalised(impl_->path + "/stdlib/genglsl/" + name);
         self(self, !impl_->ReadFile(beside).empty() ? beside : standard, out);
       } else {
         out->append(line).push_back('\n');

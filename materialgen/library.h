@@ -77,8 +77,8 @@ class Library {
   const NodeDefinition* Find(const std::string& identifier) const;
   // The graph that implements a definition of kind Graph; null where the library's graph is broken.
   const Graph* GraphOf(const NodeDefinition& definition);
-  // "lib/mx_math.glsl" of the standard library to a full path; full paths stay.
-  std::string Resolve(const std::string& file) const;
+  // The standard library's mathematics, which inline expressions and functions rely on.
+  std::string MathFile() const;
   // Text of a library function's file with its includes resolved, each file once per `seen`. Empty: not readable.
   std::string FunctionSource(const std::string& file, std::set<std::string>* seen);
 

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdlib>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <iostream>
@@ -134,7 +135,7 @@ TEST(MaterialGen, EveryPreviewSurfaceInputCompiles) {
     const Result textured = RunNetwork(network);
     ExpectCompiles(textured.material, name + " texture");
     const bool isUsed = name != "displacement" && name != "occlusion" && name != "specularColor" &&
-                        name != "clearcoatRoughness" && name != "opacityThreshold";
+                        name != "clearcoatRoughness";
     EXPECT_EQ(textured.material.textures.size(), isUsed ? 1u : 0u) << name;
   }
   const Result all = RunNetwork(Preview(values));
@@ -191,7 +192,8 @@ TEST(MaterialGen, TwoGeneratorsAgreeToTheByte) {
   const CompiledMaterial a = RunNetwork(network).material, b = other->Generate(network, {});
   EXPECT_EQ(a.kernel->key, b.kernel->key);
   EXPECT_EQ(a.kernel->surface, b.kernel->surface);
-  EXPECT_EQ(a.parameters, b.parameters);
+  ASSERT_EQ(a.parameters.size(), b.parameters.size());  // as bits: ids of missing textures are NaNs
+  EXPECT_EQ(std::memcmp(a.parameters.data(), b.parameters.data(), a.parameters.size() * sizeof(float)), 0);
 }
 
 TEST(MaterialGen, OpacityModes) {
@@ -329,7 +331,7 @@ TEST(MaterialGen, FuzzedNetworks) {
   const std::vector<std::string> outputs = {"out", "rgb", "r", "a", "result", "outx", "surface", ""};
   std::mt19937 random(7);
   const auto pick = [&](const std::vector<std::string>& from) { return from[random() % from.size()]; };
-  for (int round = 0; round < 300; ++round) {
+  for (int round = 0; round < 150; ++round) {
     MaterialNetwork network;
     network.path = "/fuzz" + std::to_string(round);
     const int count = 2 + int(random() % 12);
