@@ -53,7 +53,8 @@ struct MeshInput {
   std::vector<PrimvarInput> primvars;        // authored normals come as "normals" (UsdGeomMesh.normals or primvars:normals)
   int refineLevel = 0;                       // 0..8: low 0, medium 1, high 2, veryhigh 3 of usdrecord's --complexity
   bool doubleSided = false;
-  uint64_t maxTriangles = 16'000'000;        // subdivision stops at the level that stays below; polygons are never cut
+  uint64_t maxTriangles = 8'000'000;         // subdivision stops at the level that stays below (about 220 bytes each
+                                             // while building); polygons are never cut
 };
 
 }  // namespace delegate

@@ -71,7 +71,8 @@ TEST(MeshSubdivision, LoopLimits) {
     EXPECT_TRUE(HasPosition(*octahedron.mesh, {0, 0, w4 / (w4 + 4)}));  // the four neighbours cancel
     for (const Vec3& n : NormalsAt(octahedron, {0, 0, w4 / (w4 + 4)})) ExpectNear(n, {0, 0, 1}, 1e-5);
     EXPECT_GT(Volume(*octahedron.mesh), 0);
-    MeshInput tetrahedron = Polygons({{1, 1, 1}, {1, -1, -1}, {-1, 1, -1}, {-1, -1, 1}}, {3, 3, 3, 3}, {0, 2, 3, 0, 3, 1, 0, 1, 2, 1, 3, 2});
+    MeshInput tetrahedron =
+        Polygons({{1, 1, 1}, {1, -1, -1}, {-1, 1, -1}, {-1, -1, 1}}, {3, 3, 3, 3}, {0, 2, 3, 0, 3, 1, 0, 1, 2, 1, 3, 2});
     tetrahedron.topology.scheme = "loop";
     // beta = 3/16, w = 2, and the three neighbours add up to -V.
     EXPECT_TRUE(HasPosition(*Build(Refined(tetrahedron, level)).mesh, {0.2, 0.2, 0.2}));
