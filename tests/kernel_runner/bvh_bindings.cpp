@@ -25,7 +25,7 @@ template <typename T, typename Word>
 nb::object ToArray(const std::vector<T>& items, size_t columns) {
   const size_t bytes = items.size() * sizeof(T);
   auto* words = new Word[bytes / sizeof(Word) + 1];
-  std::memcpy(words, items.data(), bytes);
+  if (bytes > 0) std::memcpy(words, items.data(), bytes);
   nb::capsule owner(words, [](void* p) noexcept { delete[] static_cast<Word*>(p); });
   const size_t shape[2] = {bytes / sizeof(Word) / columns, columns};
   return nb::cast(nb::ndarray<nb::numpy, Word>(words, 2, shape, owner));

@@ -231,10 +231,12 @@ TEST(MeshBvh, KeepsMaterialSlots) {
   }
 }
 
+template <typename T>
+bool SameBytes(const std::vector<T>& a, const std::vector<T>& b) {
+  return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0);
+}
 bool SameBytes(const MeshBvh& a, const MeshBvh& b) {
-  return a.nodes.size() == b.nodes.size() && a.triangles.size() == b.triangles.size() &&
-         std::memcmp(a.nodes.data(), b.nodes.data(), a.nodes.size() * sizeof(BvhNode4)) == 0 &&
-         std::memcmp(a.triangles.data(), b.triangles.data(), a.triangles.size() * sizeof(TriangleRecord)) == 0;
+  return SameBytes(a.nodes, b.nodes) && SameBytes(a.triangles, b.triangles);
 }
 
 TEST(MeshBvh, ThreadCountDoesNotShow) {
