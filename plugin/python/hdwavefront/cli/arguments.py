@@ -110,7 +110,7 @@ def _add_own_arguments(group: Any) -> None:
         "--windowPolicy",
         default="",
         choices=WINDOW_POLICIES,
-        help="how the camera's aperture is fitted to the image (default: the RenderSettings prim's, else expandAperture)",
+        help="how the camera's aperture fits the image (default: the RenderSettings prim's, else expandAperture)",
     )
     group.add_argument(
         "--enableCameraLight", action="store_true", help="add a camera light even if the stage shines by itself"

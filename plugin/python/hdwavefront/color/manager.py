@@ -76,7 +76,7 @@ class ColorManager:
             if source in builtin:
                 return ocio.Config.CreateFromBuiltinConfig(source)
             return ocio.Config.CreateFromFile(source)
-        except ocio.Exception as error:
+        except (ocio.Exception, ocio.ExceptionMissingFile) as error:
             where = "named by --ocio" if self.origin == "--ocio" else "named by $OCIO"
             reason = str(error).splitlines()[0]
             raise HdWavefrontError(

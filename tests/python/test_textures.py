@@ -1,0 +1,180 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright the hdWavefront authors
+"""Textures: formats, channels, colour spaces, strips, and files that are broken."""
+
+from __future__ import annotations
+
+import zipfile
+
+import numpy as np
+import OpenImageIO as oiio
+import pytest
+from hdwavefront.color.manager import ColorManager
+from hdwavefront.errors import Diagnostics
+from hdwavefront.image_io import textures
+from hdwavefront.image_io.textures import TextureError, load_texture
+
+
+@pytest.fixture(scope="module")
+def colors():
+    return ColorManager()
+
+
+@pytest.fixture
+def load(colors):
+    def call(path, space="auto", is_color=True, manager=None):
+        call.diagnostics = Diagnostics()
+        return load_texture(str(path), space, is_color, manager or colors, call.diagnostics)
+
+    return call
+
+
+def write(path, pixels, names=None, tile=0, **attributes):
+    kinds = {"uint8": "uint8", "uint16": "uint16", "float16": "half", "float32": "float"}
+    spec = oiio.ImageSpec(pixels.shape[1], pixels.shape[0], pixels.shape[2], kinds[str(pixels.dtype)])
+    if names:
+        spec.channelnames = names
+    if tile:
+        spec.tile_width = spec.tile_height = tile
+    for key, value in attributes.items():
+        spec.attribute(key, value)
+    spec.attribute("oiio:UnassociatedAlpha", 1)
+    output = oiio.ImageOutput.create(str(path))
+    assert output.open(str(path), spec), output.geterror()
+    assert output.write_image(pixels)
+    output.close()
+    return path
+
+
+def gradient(channels, dtype=np.uint8, size=(5, 7)):
+    top = 255 if dtype == np.uint8 else 65535 if dtype == np.uint16 else 2.0
+    values = np.linspace(0, top, size[0] * size[1] * channels).reshape(*size, channels)
+    return values.astype(dtype)
+
+
+def linear(byte):
+    value = np.asarray(byte, dtype=np.float64) / 255
+    return np.where(value <= 0.04045, value / 12.92, ((value + 0.055) / 1.055) ** 2.4)
+
+
+def test_raw_bytes_stay_bytes_with_row_0_at_the_top(load, tmp_path):
+    pixels = gradient(4)
+    got = load(write(tmp_path / "a.png", pixels), "raw")
+    assert got.dtype == np.uint8 and (got == pixels).all()  # the alpha is not multiplied in
+
+
+def test_srgb_bytes_become_linear_halves(load, tmp_path):
+    pixels = gradient(4)
+    for space in ("sRGB", "auto", ""):
+        got = load(write(tmp_path / "a.png", pixels), space)
+        assert got.dtype == np.float16
+        np.testing.assert_allclose(got[..., :3], linear(pixels[..., :3]), atol=6e-4)
+        np.testing.assert_allclose(got[..., 3], pixels[..., 3] / 255, atol=5e-4)
+
+
+@pytest.mark.parametrize("channels", [1, 2])
+def test_grey_fills_the_colours_and_a_second_channel_is_alpha(load, tmp_path, channels):
+    pixels = gradient(channels)
+    got = load(write(tmp_path / "a.png", pixels), "auto")  # auto: fewer than three channels are no colours
+    assert got.dtype == np.uint8
+    for channel in range(3):
+        assert (got[..., channel] == pixels[..., 0]).all()
+    assert (got[..., 3] == (pixels[..., 1] if channels == 2 else 255)).all()
+    stated = load(write(tmp_path / "a.png", pixels), "sRGB")
+    np.testing.assert_allclose(stated[..., 0], linear(pixels[..., 0]), atol=6e-4)
+
+
+def test_sixteen_bits_and_floats_are_raw_unless_stated(load, tmp_path):
+    deep = gradient(3, np.uint16)
+    np.testing.assert_allclose(load(write(tmp_path / "a.png", deep))[..., :3], deep / 65535, atol=5e-4)
+    for name, dtype in (("a.exr", np.float32), ("b.exr", np.float16), ("c.tif", np.float32)):
+        pixels = gradient(3, dtype)
+        got = load(write(tmp_path / name, pixels))
+        np.testing.assert_allclose(got[..., :3], pixels, rtol=1e-3)
+        assert (got[..., 3] == 1).all()
+
+
+def test_named_spaces_enter_the_rendering_space(load, tmp_path, colors):
+    pixels = np.full((2, 2, 3), 0.5, dtype=np.float32)
+    pixels[..., 1:] = 0
+    got = load(write(tmp_path / "a.exr", pixels), "acescg")
+    assert got[0, 0, :3] == pytest.approx(np.array(colors.convert_color((0.5, 0, 0), "acescg")), abs=1e-3)
+    # Bytes, where the rendering space mixes the channels.
+    bytes_ = np.zeros((2, 2, 3), dtype=np.uint8)
+    bytes_[..., 0] = 255
+    wide = ColorManager(rendering_space="acescg")
+    got = load(write(tmp_path / "b.png", bytes_), "sRGB", manager=wide)
+    assert got[0, 0, :3] == pytest.approx(np.array(wide.convert_color((1, 0, 0), "sRGB")), abs=1e-3)
+    load(write(tmp_path / "c.png", bytes_), "no such space")
+    assert load.diagnostics.codes() == {"texture-color-space"}
+
+
+def test_data_is_not_managed(load, tmp_path):
+    pixels = gradient(3)
+    assert (load(write(tmp_path / "a.png", pixels), "sRGB", is_color=False)[..., :3] == pixels).all()
+
+
+def test_colour_channels_are_found_by_name(load, tmp_path):
+    pixels = gradient(5, np.float32)
+    path = write(tmp_path / "a.exr", pixels, names=("depth.Z", "G", "B", "R", "other"))
+    file = oiio.ImageInput.open(str(path))
+    order = [file.spec().channelnames.index(n) for n in "RGB"]
+    everything = file.read_image(oiio.FLOAT)
+    np.testing.assert_allclose(load(path)[..., :3], everything[..., order], rtol=1e-3)
+
+
+@pytest.mark.parametrize("tile", [0, 16])
+@pytest.mark.parametrize("kind", [np.float32, np.float16, np.uint8])
+def test_strips_join_without_a_seam(load, tmp_path, monkeypatch, tile, kind):
+    monkeypatch.setattr(textures, "_STRIP_BYTES", 4096)
+    pixels = gradient(3, kind, (100, 50))
+    name = "a.tif" if kind == np.uint8 else "a.exr"
+    got = load(write(tmp_path / name, pixels, tile=tile), "raw")
+    np.testing.assert_allclose(got[..., :3], pixels, rtol=1e-3)
+
+
+def test_values_that_no_half_holds_are_clipped_and_said(load, tmp_path):
+    pixels = np.array([[[1e6, np.inf, np.nan]]], dtype=np.float32)
+    got = load(write(tmp_path / "a.exr", pixels))
+    assert got[0, 0, :3].tolist() == [65504, 65504, 0] and load.diagnostics.codes() == {"texture-clipped"}
+    got = load(write(tmp_path / "b.exr", pixels[..., 1:].astype(np.float16).repeat(2, axis=2)))
+    assert np.isfinite(got).all() and load.diagnostics.codes() == {"texture-clipped"}
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "reason"),
+    [
+        ("gone.png", None, "does not exist"),
+        ("empty.png", b"", "cannot be read"),
+        ("text.exr", b"this is no image", "cannot be read"),
+        ("t.<UDIM>.png", None, "UDIM"),
+    ],
+)
+def test_broken_files_say_why(load, tmp_path, name, content, reason):
+    if content is not None:
+        (tmp_path / name).write_bytes(content)
+    with pytest.raises(TextureError, match=reason):
+        load(tmp_path / name)
+
+
+def test_a_cut_off_file_says_so(load, tmp_path):
+    path = write(tmp_path / "a.exr", gradient(3, np.float32, (200, 200)))
+    path.write_bytes(path.read_bytes()[:2000])
+    with pytest.raises(TextureError):
+        load(path)
+
+
+def test_files_inside_packages(load, tmp_path):
+    image = write(tmp_path / "a.png", gradient(3))
+    (tmp_path / "s.usda").write_text("#usda 1.0\n")
+    package = tmp_path / "p.usdz"
+    from pxr import UsdUtils
+
+    with zipfile.ZipFile(package, "w"):
+        pass
+    (tmp_path / "s.usda").write_text(
+        '#usda 1.0\ndef Shader "x" {\n    uniform token info:id = "UsdUVTexture"\n    asset inputs:file = @./a.png@\n}\n'
+    )
+    assert UsdUtils.CreateNewUsdzPackage(str(tmp_path / "s.usda"), str(package))
+    inside = next(n for n in zipfile.ZipFile(package).namelist() if n.endswith(".png"))
+    assert (load(f"{package}[{inside}]", "raw") == load(image, "raw")).all()
