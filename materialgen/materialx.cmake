@@ -9,9 +9,9 @@ set(materialxSha256 e6d4da032bce6fd782ec91fe898866b80cf988103c7d70e7d530404f45f5
 
 # Shared by all build folders of this checkout; a read-only checkout keeps it in its build folder.
 set(materialxCache "${PROJECT_SOURCE_DIR}/build/third_party")
-file(MAKE_DIRECTORY "${materialxCache}" RESULT materialxCacheResult)
+execute_process(COMMAND mkdir -p "${materialxCache}" RESULT_VARIABLE materialxCacheMissing ERROR_QUIET)
 execute_process(COMMAND test -w "${materialxCache}" RESULT_VARIABLE materialxCacheReadOnly)
-if(NOT materialxCacheResult EQUAL 0 OR materialxCacheReadOnly)
+if(materialxCacheMissing OR materialxCacheReadOnly OR EXISTS "${PROJECT_BINARY_DIR}/third_party/materialx.lock")
   set(materialxCache "${PROJECT_BINARY_DIR}/third_party")
   file(MAKE_DIRECTORY "${materialxCache}")
 endif()
