@@ -52,6 +52,7 @@ Buffer::~Buffer() { Release(); }
 
 void Buffer::Release() {
   const VolkDeviceTable& vk = context_->vk;
+  if (memory_.handle != nullptr && memory_.mapped == nullptr) context_->transfer().Drain();
   for (const View& view : views_) vk.vkDestroyBufferView(context_->device, view.handle, nullptr);
   views_.clear();
   if (handle_ != nullptr) vk.vkDestroyBuffer(context_->device, handle_, nullptr);
@@ -95,9 +96,17 @@ Status Buffer::Allocate(uint64_t size) {
   return {};
 }
 
+Status Buffer::Clear(uint64_t offset) {
+  if (offset == size_) return {};
+  if (memory_.mapped == nullptr) return context_->transfer().Clear(handle_, offset);
+  std::memset(static_cast<std::byte*>(memory_.mapped) + offset, 0, size_ - offset);
+  return {};
+}
+
 Result<std::unique_ptr<Buffer>> Buffer::Create(Device& device, const BufferDesc& desc) {
   std::unique_ptr<Buffer> buffer(new Buffer(device, desc));
   if (Status allocated = buffer->Allocate(desc.size); !allocated) return allocated.error();
+  if (Status cleared = buffer->Clear(0); !cleared) return cleared.error();
   return buffer;
 }
 
@@ -143,13 +152,15 @@ Status Buffer::Reserve(uint64_t size) {
       std::memcpy(memory_.mapped, oldMemory.mapped, oldSize);
     } else {
       grown = context_->transfer().Copy(oldHandle, handle_, oldSize);
-      if (!grown) Release();
     }
+    if (grown) grown = Clear(oldSize);
+    if (!grown) Release();
   }
   if (!grown) {  // as before
     views_ = std::move(oldViews), handle_ = oldHandle, memory_ = oldMemory, size_ = oldSize;
     return grown;
   }
+  if (oldMemory.mapped == nullptr) context_->transfer().Drain();
   for (const View& view : oldViews) context_->vk.vkDestroyBufferView(context_->device, view.handle, nullptr);
   context_->vk.vkDestroyBuffer(context_->device, oldHandle, nullptr);
   context_->Free({oldMemory.handle, oldMemory.size, oldMemory.mapped}, desc_.kind);

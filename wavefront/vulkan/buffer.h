@@ -31,10 +31,11 @@ struct BufferDesc {
   std::string name;  // for errors and debuggers
 };
 
-// One thread at a time. The contents start undefined.
+// One thread at a time. The contents start as zeros: what a kernel reads before it is written does not depend on chance.
 class Buffer {
  public:
   static Result<std::unique_ptr<Buffer>> Create(Device& device, const BufferDesc& desc);
+  // Waits for its own uploads; that no other submitted work uses it any more is the owner's to know.
   ~Buffer();
   Buffer(const Buffer&) = delete;
   Buffer& operator=(const Buffer&) = delete;
@@ -55,7 +56,7 @@ class Buffer {
   // Reads `data.size()` bytes; waits for all submitted work. For read-backs after rendering, not for frames.
   Status Download(uint64_t offset, std::span<std::byte> data);
 
-  // Makes room for `size` bytes, keeping the contents; grows by at least half. No submitted work may still use the
+  // Makes room for `size` bytes, keeping the contents (zeros follow); grows by at least half where the budget allows. No submitted work may still use the
   // buffer. A change of generation() says that descriptor sets must be written again.
   Status Reserve(uint64_t size);
   uint64_t generation() const { return generation_; }
@@ -78,6 +79,7 @@ class Buffer {
   };
   Buffer(Device& device, BufferDesc desc);
   Status Allocate(uint64_t size);
+  Status Clear(uint64_t offset);
   void Release();
 
   ContextRef context_;

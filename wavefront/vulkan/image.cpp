@@ -42,6 +42,7 @@ Image::Image(Device& device, ImageDesc desc) : context_(device.context()), desc_
 
 Image::~Image() {
   const VolkDeviceTable& vk = context_->vk;
+  if (memory_ != nullptr) context_->transfer().Drain();
   if (view_ != nullptr) vk.vkDestroyImageView(context_->device, view_, nullptr);
   if (image_ != nullptr) vk.vkDestroyImage(context_->device, image_, nullptr);
   context_->Free({memory_, memoryBytes_, nullptr}, desc_.kind);

@@ -38,6 +38,7 @@ class Image {
  public:
   // An error where the device lacks the size, or linear filtering of the format.
   static Result<std::unique_ptr<Image>> Create(Device& device, const ImageDesc& desc);
+  // Waits for its own uploads, as ~Buffer.
   ~Image();
   Image(const Image&) = delete;
   Image& operator=(const Image&) = delete;

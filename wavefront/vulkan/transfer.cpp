@@ -138,6 +138,11 @@ Status Transfer::Wait(uint64_t value) {
   return {};
 }
 
+void Transfer::Drain() {
+  std::scoped_lock lock(mutex_);
+  if (!context_.lost) (void)Wait(submitted_);
+}
+
 Status Transfer::Run(std::span<const Piece> pieces, const Record& record, bool wait) {
   std::scoped_lock lock(mutex_);
   Chunk* chunk = nullptr;
@@ -187,6 +192,15 @@ Status Transfer::Download(VkBuffer source, VkDeviceSize offset, std::span<std::b
     offset += size;
   }
   return {};
+}
+
+Status Transfer::Clear(VkBuffer target, VkDeviceSize offset) {
+  return Run(
+      {},
+      [&](VkCommandBuffer commands, VkBuffer) {
+        context_.vk.vkCmdFillBuffer(commands, target, offset, VK_WHOLE_SIZE, 0);
+      },
+      false);
 }
 
 Status Transfer::Copy(VkBuffer source, VkBuffer target, VkDeviceSize size) {

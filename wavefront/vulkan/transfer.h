@@ -33,6 +33,10 @@ class Transfer {
   Status Download(VkBuffer source, VkDeviceSize offset, std::span<std::byte> data);
   // Waits as Download does.
   Status Copy(VkBuffer source, VkBuffer target, VkDeviceSize size);
+  // Zeros from `offset` to the end; does not wait.
+  Status Clear(VkBuffer target, VkDeviceSize offset);
+  // Waits for every copy submitted so far: what they touch may then be destroyed.
+  void Drain();
   // Submits what `record` records, with the pieces (together at most kChunkBytes) staged one after another from offset
   // 0 of the buffer that it is given.
   using Piece = std::span<const std::byte>;

@@ -24,6 +24,25 @@ TEST_P(StagingTest, ABufferRoundTrips) {
   EXPECT_EQ(Read<uint32_t>(*buffer, 5, 999'999 * 4), (std::vector<uint32_t>{999'999 + 17, 1, 2, 3, 1'000'003 + 17}));
 }
 
+TEST_P(StagingTest, ABufferStartsAsZeros) {
+  for (int i = 0; i < 3; ++i) {  // later ones get memory that was used before
+    auto buffer = MakeBuffer(1 << 16);
+    EXPECT_EQ(Read<uint32_t>(*buffer, 1 << 14), std::vector<uint32_t>(1 << 14, 0));
+    Must(buffer->Upload(0, std::span<const uint32_t>(std::vector<uint32_t>(1 << 14, 0xdeadbeef))));
+    EXPECT_EQ(Read<uint32_t>(*buffer, 1)[0], 0xdeadbeefu);
+  }
+}
+
+TEST_P(StagingTest, DestructionWaitsForUploads) {
+  const std::vector<uint32_t> values(4'000'000, 3);
+  for (int i = 0; i < 4; ++i) MakeBuffer(values);
+  const ImageDesc desc{ImageShape::Plane, Format::R32Float, 2000, 2000, 1, 1, MemoryKind::Textures, "short-lived"};
+  for (int i = 0; i < 4; ++i) {
+    auto image = Must(Image::Create(*device_, desc));
+    Must(image->Upload(std::as_bytes(std::span(values))));
+  }
+}
+
 TEST_P(StagingTest, AccessPastTheEndIsAnError) {
   auto buffer = MakeBuffer(64, "small");
   std::byte bytes[80] = {};
@@ -46,6 +65,7 @@ TEST_P(StagingTest, GrowingKeepsTheContents) {
   EXPECT_GT(buffer->generation(), generation);
   EXPECT_GE(buffer->size(), 1u << 20);
   EXPECT_EQ(Read<uint32_t>(*buffer, 4), values);
+  EXPECT_EQ(Read<uint32_t>(*buffer, 1000, 16), std::vector<uint32_t>(1000, 0));
   EXPECT_FALSE(buffer->Reserve(uint64_t{1} << 60).ok());
   EXPECT_EQ(Read<uint32_t>(*buffer, 4), values);
 }
