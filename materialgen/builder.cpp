@@ -288,10 +288,11 @@ Port Builder::Literal(Type type, const std::string& text) {
 }
 
 Port Builder::GeometricProperty(const std::string& name) {
-  const auto expression = [&](std::string_view op, Type type, std::vector<Id> arguments = {}, std::string text = {}) {
-    return Port{type, e_.Make(op, type, std::move(arguments), std::move(text))};
+  const auto expression = [&](std::string_view op, Type type, std::vector<Id> arguments = {}) {
+    return Port{type, e_.Make(op, type, std::move(arguments))};
   };
-  const auto tangent = [&](std::string_view op) { return e_.Make(op, Type::Vec3, {}, "st"); };
+  const Id none = e_.Literal(Type::Vec2, {});
+  const auto tangent = [&](std::string_view part) { return TextureCoordinates(part, "st", none); };
   if (name == "Pworld") return expression("position_world", Type::Vec3);
   if (name == "Pobject") return expression("position_object", Type::Vec3);
   if (name == "Nworld") return expression("normal_world", Type::Vec3);
@@ -301,7 +302,14 @@ Port Builder::GeometricProperty(const std::string& name) {
   if (name == "Tobject") return expression("to_object_vector", Type::Vec3, {tangent("tangent")});
   if (name == "Bobject") return expression("to_object_vector", Type::Vec3, {tangent("bitangent")});
   if (name == "Vworld") return expression("view", Type::Vec3);
-  return expression("primvar", Type::Vec2, {e_.Literal(Type::Vec2, {})}, "st");  // UV0
+  return {Type::Vec2, TextureCoordinates("uv_value", "st", none)};  // UV0
+}
+
+Id Builder::TextureCoordinates(std::string_view part, const std::string& primvar, Id fallback) {
+  const Id uv = e_.Make("uv", Type::Uv, {fallback}, primvar);
+  if (part == "uv_value") return e_.Make(part, Type::Vec2, {uv});
+  if (part == "footprint") return e_.Make(part, Type::Float, {uv});
+  return e_.Make(part, Type::Vec3, {e_.Make("uv_frame", Type::Frame, {uv})});
 }
 
 Port Builder::Fit(Port port, const PortDefinition& definition, const materialgen::Node* node) {

@@ -71,6 +71,8 @@ class Builder {
   Port DefaultInput(const materialgen::Node* node, const PortDefinition& definition);
   Port Literal(Type type, const std::string& text);
   Port GeometricProperty(const std::string& name);
+  // A vec2 primvar, as what textures read; `part`: "uv_value", "footprint", "tangent" or "bitangent".
+  Id TextureCoordinates(std::string_view part, const std::string& primvar, Id fallback);
   // Fits a port to an input; a type error gives a message and the input's default.
   Port Fit(Port port, const PortDefinition& definition, const materialgen::Node* node);
   Port Evaluate(const Node& node, const std::string& output, int depth);
@@ -122,7 +124,7 @@ class NodeEvaluator {
   bool EvaluateSurface(Port* result);
   Id Primvar(const std::string& name, Type type, Id fallback);
   Id Footprint(Id uv, int depth = 0);
-  std::string UvPrimvar(Id id, int depth = 0);
+  Id UvOf(Id id, int depth = 0);
   Id FrameOf(bool isAnisotropic);
   bool AddLobe(Port* result, std::string_view kind, std::vector<Id> arguments, Bsdf lobe, bool hasAlpha);
   void Unsupported(const std::string& what);

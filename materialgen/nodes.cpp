@@ -185,6 +185,7 @@ bool NodeEvaluator::EvaluateChoice(Port* result) {
 }
 
 Id NodeEvaluator::Primvar(const std::string& name, Type type, Id fallback) {
+  if (type == Type::Vec2) return b_.TextureCoordinates("uv_value", name, e_.Convert(fallback, type));
   return e_.Make("primvar", type, {e_.Convert(fallback, type)}, name);
 }
 
@@ -201,7 +202,7 @@ bool NodeEvaluator::EvaluateGeometry(Port* result) {
     return Number(result, isWorld ? normal : e_.Make("to_object_normal", Type::Vec3, {normal}));
   }
   if (category == "tangent" || category == "bitangent") {
-    const Id tangent = e_.Make(category, Type::Vec3, {}, "st");
+    const Id tangent = b_.TextureCoordinates(category, "st", e_.Literal(Type::Vec2, {}));
     return Number(result, isWorld ? tangent : e_.Make("to_object_vector", Type::Vec3, {tangent}));
   }
   if (category == "viewdirection") {
@@ -247,10 +248,8 @@ Id NodeEvaluator::Footprint(Id uv, int depth) {
   const Expression expression = e_[uv];
   if (depth > 16 || expression.rate != Class::Varying) return kNone;
   const std::string_view op = expression.op->name;
-  if (op == "primvar") {
-    return expression.type == Type::Vec2 ? e_.Make("footprint", Type::Float, {}, expression.text) : kNone;
-  }
-  if (op == "footprint" || op == "tangent" || op == "bitangent") return kNone;
+  if (op == "uv_value") return e_.Make("footprint", Type::Float, {expression.arguments[0]});
+  if (op == "tangent" || op == "bitangent") return kNone;
   for (size_t i = 0; i < expression.arguments.size(); ++i) {
     const Id footprint = Footprint(expression.arguments[i], depth + 1);
     if (footprint == kNone) continue;
@@ -263,16 +262,16 @@ Id NodeEvaluator::Footprint(Id uv, int depth) {
   return kNone;
 }
 
-// Name of the texture coordinates that feed a value: a normal map's tangents follow them.
-std::string NodeEvaluator::UvPrimvar(Id id, int depth) {
+// The texture coordinates ("uv") that feed a value: a normal map's tangents follow them. kNone: none.
+Id NodeEvaluator::UvOf(Id id, int depth) {
   const Expression& expression = e_[id];
-  if (depth > 16 || expression.rate != Class::Varying) return {};
-  if (expression.op->name == "primvar" && expression.type == Type::Vec2) return expression.text;
+  if (depth > 16 || expression.rate != Class::Varying) return kNone;
+  if (expression.op->name == "uv") return id;
   for (Id argument : expression.arguments) {
-    const std::string name = UvPrimvar(argument, depth + 1);
-    if (!name.empty()) return name;
+    const Id uv = UvOf(argument, depth + 1);
+    if (uv != kNone) return uv;
   }
-  return {};
+  return kNone;
 }
 
 bool NodeEvaluator::EvaluateImage(Port* result) {
@@ -327,11 +326,13 @@ bool NodeEvaluator::EvaluateNormalMap(Port* result) {
     const Constant& d = e_[direction].value;
     if (d[0] == 0 && d[1] == 0 && d[2] > 0) return Number(result, normal);
   }
-  const std::string uv = UvPrimvar(in);
+  const Id uv = UvOf(in);
   const auto tangent = [&](std::string_view name) {
     const Id given = In(name, Type::Vec3);
     const bool isDefault = given == kNone || e_[given].op->name == name;
-    return isDefault ? e_.Make(name, Type::Vec3, {}, uv.empty() ? "st" : uv) : given;
+    if (!isDefault) return given;
+    if (uv == kNone) return b_.TextureCoordinates(name, "st", e_.Literal(Type::Vec2, {}));
+    return e_.Make(name, Type::Vec3, {e_.Make("uv_frame", Type::Frame, {uv})});
   };
   const Id t = tangent("tangent"), b = tangent("bitangent");
   return Number(result, e_.Make("normalmap", Type::Vec3, {direction, scale, normal, t, b}));

@@ -151,8 +151,10 @@ const Op kOps[] = {
     // What a material reads at a hit. The text of a primvar reader is the primvar's name.
     {"position_world", "sp.positionWorld"}, {"position_object", "sp.positionObject"},
     {"normal_world", "sp.normalWorld"}, {"view", "-sp.wo"}, {"time", "sp.time"},
-    {"primvar", ""}, {"footprint", "primvarUvFootprint(sp, $s)"},
-    {"tangent", ""}, {"bitangent", ""},
+    {"primvar", ""},
+    // Texture coordinates: one fetch serves the value, its footprint and the tangents.
+    {"uv", "patternUv(sp, $s, $0)"}, {"uv_value", "$0.uv"}, {"footprint", "$0.footprint"},
+    {"uv_frame", "patternUvFrame(sp, $0)"}, {"tangent", "$0.x"}, {"bitangent", "$0.y"},
     {"to_object_normal", "worldToObjectNormal(sp, $0)"}, {"to_object_vector", "worldToObjectVector(sp, $0)"},
     {"to_object_point", "worldToObjectPoint(sp, $0)"}, {"to_world_normal", "objectToWorldNormal(sp, $0)"},
     {"to_world_vector", "objectToWorldVector(sp, $0)"}, {"to_world_point", "objectToWorldPoint(sp, $0)"},

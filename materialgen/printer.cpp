@@ -50,8 +50,7 @@ std::vector<Id> Live(const Expressions& e, const std::vector<Id>& roots) {
 }
 
 bool ReadsPrimvar(const Expression& expression) {
-  const std::string_view op = expression.op->name;
-  return op == "primvar" || op == "footprint" || op == "tangent" || op == "bitangent";
+  return expression.op->name == "primvar" || expression.op->name == "uv";
 }
 
 // How often an argument's text appears, so that nothing costly is written twice.
@@ -147,7 +146,7 @@ std::vector<std::string> Printer::Arguments(const Expression& expression) const 
   if (op == "min" || op == "max" || op == "modulo") widen = isMixed && width(0) != components;
   if (op == "mix") widen = isMixed && (width(0) != components || width(1) != components);
   if (op == "clamp") widen = isMixed && !(width(0) == components && width(1) == 1 && width(2) == 1);
-  const bool wraps = expression.op->infix || op == "swizzle" || op == "inline";
+  const bool wraps = expression.op->infix || op == "swizzle" || op == "inline" || op == "select";
   for (size_t i = 0; i < expression.arguments.size(); ++i) {
     const Id argument = expression.arguments[i];
     const Printed& printed = texts_.at(argument);
@@ -201,10 +200,6 @@ Printer::Printed Printer::Write(const Expression& expression) {
     const std::string suffix = type == Type::Float ? "Float" : "Vec" + std::to_string(Components(type));
     return {"primvar" + suffix + "(sp, " + std::to_string(layout_.SlotOf(expression.text)) + "u, " + a[0] + ")"};
   }
-  if (op == "tangent" || op == "bitangent") {
-    return {"pattern" + std::string(op == "tangent" ? "Tangent" : "Bitangent") + "(sp, " +
-            std::to_string(layout_.SlotOf(expression.text)) + "u)"};
-  }
   if (op == "inline") return {Substitute(expression, expression.text, a), true};
   if (op == "albedo" || op == "throughput") {
     const LobeKind& kind = FindLobe(expression.text);
@@ -223,6 +218,12 @@ void Printer::Print(Id id) {
   }
   if (expression.rate == Class::Uniform || op == "texture") {
     texts_[id] = {Parameter(id)};
+    return;
+  }
+  if (op == "uv" || op == "uv_frame") {
+    const std::string name = "v" + std::to_string(values_++);
+    body_ += "  " + std::string(GlslName(expression.type)) + " " + name + " = " + Write(expression).text + ";\n";
+    texts_[id] = {name};
     return;
   }
   if (op == "frame") {
@@ -268,7 +269,8 @@ void Printer::Print(Id id) {
   }
   if (op == "inline" && expression.text.find("mx_") != std::string::npos) callsLibrary_ = true;
   Printed printed = Write(expression);
-  const bool isCheap = op == "swizzle" || printed.text.rfind("sp.", 0) == 0;
+  const bool isCheap = op == "swizzle" || op == "uv_value" || op == "footprint" || op == "tangent" || op == "bitangent" ||
+                        printed.text.rfind("sp.", 0) == 0;
   if ((uses_[id] <= 1 || isCheap) && printed.text.size() <= kInlineLength) {
     texts_[id] = std::move(printed);
     return;

@@ -17,6 +17,7 @@ std::string_view GlslName(Type type) {
     case Type::Mat3: return "mat3";
     case Type::Mat4: return "mat4";
     case Type::Frame: return "Frame";
+    case Type::Uv: return "PatternUv";
     default: return "void";
   }
 }

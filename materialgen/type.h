@@ -10,7 +10,7 @@
 
 namespace materialgen {
 
-enum class Type : uint8_t { None, Bool, Int, Float, Vec2, Vec3, Vec4, Mat3, Mat4, String, Asset, Frame, Lobe, Call, Bsdf, Surface };
+enum class Type : uint8_t { None, Bool, Int, Float, Vec2, Vec3, Vec4, Mat3, Mat4, String, Asset, Frame, Lobe, Call, Uv, Bsdf, Surface };
 
 // Number of floats; 0 for what is not a number.
 constexpr int Components(Type type) {

@@ -21,15 +21,49 @@ vec3 patternNormal(ShadingPoint sp, vec3 n) {
 Frame patternFrame(ShadingPoint sp, vec3 n) { return frameFromNormal(patternNormal(sp, n)); }
 Frame patternFrameTangent(ShadingPoint sp, vec3 n, vec3 t) { return frameFromNormalTangent(patternNormal(sp, n), t); }
 
-vec3 patternTangent(ShadingPoint sp, uint slot) {
-  vec3 t, b;
-  primvarTangents(sp, slot, t, b);
-  return t;
+// Texture coordinates of the hit, and how they run over the triangle; all that textures and normal maps ask of one
+// primvar, fetched once (compile time on lavapipe is made of fetch sites).
+struct PatternUv {
+  vec2 uv;
+  vec2 along1, along2;  // change along the edges p1 - p0 and p2 - p0
+  float footprint;      // width of the ray cone, in units of uv
+};
+PatternUv patternUv(ShadingPoint sp, uint slot, vec2 fallback) {
+  PatternUv result = PatternUv(fallback, vec2(0.0), vec2(0.0), 0.0);
+  uvec4 descriptor = primvarDescriptor(sp, slot);
+  if (descriptor.x == kNoStream) return result;
+  uvec3 element = primvarElements(sp, descriptor);
+  int second = (descriptor.z >> 8) >= 2u ? 1 : 0;  // a float primvar read as a vector repeats
+  result.uv = vec2(0.0);
+  [[dont_unroll]] for (uint corner = 0u; corner < 3u; ++corner) {
+    int at = int(element[corner]);
+    vec2 value = vec2(texelFetch(primvarStream, at).x, texelFetch(primvarStream, at + second).x);
+    result.uv += barycentricWeight(sp.barycentric, corner) * value;
+    if (corner != 2u) result.along1 += corner == 1u ? value : -value;
+    if (corner != 1u) result.along2 += corner == 2u ? value : -value;
+  }
+  float uvArea = abs(result.along1.x * result.along2.y - result.along1.y * result.along2.x);
+  float area = length(cross(gEdge1World, gEdge2World));
+  result.footprint = area > 0.0 ? sp.footprint * sqrt(uvArea / area) : 0.0;
+  return result;
 }
-vec3 patternBitangent(ShadingPoint sp, uint slot) {
-  vec3 t, b;
-  primvarTangents(sp, slot, t, b);
-  return b;
+
+// dP/du orthogonal to the shading normal, dP/dv across it: x and y of the frame are unit; an arbitrary frame where the
+// coordinates are degenerate.
+Frame patternUvFrame(ShadingPoint sp, PatternUv u) {
+  Frame frame = frameFromNormal(sp.normalWorld);
+  float det = u.along1.x * u.along2.y - u.along1.y * u.along2.x;
+  if (abs(det) > 1e-20) {
+    vec3 t = (gEdge1World * u.along2.y - gEdge2World * u.along1.y) / det;
+    vec3 b = (gEdge2World * u.along1.x - gEdge1World * u.along2.x) / det;
+    t -= sp.normalWorld * dot(t, sp.normalWorld);
+    if (dot(t, t) > 1e-30) {
+      frame.x = normalize(t);
+      vec3 across = cross(sp.normalWorld, frame.x);
+      frame.y = dot(across, b) < 0.0 ? -across : across;
+    }
+  }
+  return frame;
 }
 
 // A normal in tangent space, components from -1 to 1.
