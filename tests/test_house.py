@@ -24,12 +24,13 @@ SOURCES = CPP | SHADERS | {".py", ".cmake", ".sh"}
 
 
 def tracked(root: Path) -> list[Path]:
-    """Files of the tree, relative: git's (committed, staged or not ignored) where it is a checkout."""
+    """Files of the tree, relative: git's (committed, staged or not ignored) where it is a checkout, else all sources."""
     if (root / ".git").exists():
         command = ["git", "-C", str(root), "ls-files", "--cached", "--others", "--exclude-standard", "-z"]
         names = subprocess.run(command, check=True, capture_output=True, text=True).stdout.split("\0")
         return sorted(Path(n) for n in names if n and (root / n).is_file())
-    return sorted(p.relative_to(root) for p in root.rglob("*") if p.is_file())
+    names = (p.relative_to(root) for p in root.rglob("*") if p.is_file())
+    return sorted(p for p in names if p.parts[0] not in ("build", ".venv") and "__pycache__" not in p.parts)
 
 
 def text_of(path: Path) -> str:
