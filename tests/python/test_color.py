@@ -87,9 +87,9 @@ def test_a_configuration_of_ones_own(small_config, monkeypatch):
 
 def test_wrong_names_are_said_with_the_choices():
     colors = ColorManager()
-    with pytest.raises(UsageError, match="no display 'Wall'.*sRGB - Display"):
+    with pytest.raises(UsageError, match=r"no display 'Wall'.*sRGB - Display"):
         colors.display_and_view("Wall")
-    with pytest.raises(UsageError, match="no view 'Nice'.*ACES 1.0 - SDR Video"):
+    with pytest.raises(UsageError, match=r"no view 'Nice'.*ACES 1.0 - SDR Video"):
         colors.display_and_view("", "Nice")
     with pytest.raises(UsageError, match="'nowhere'"):
         ColorManager(rendering_space="nowhere")

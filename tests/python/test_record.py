@@ -376,7 +376,8 @@ def test_help_loads_nothing_heavy():
     """Arguments are parsed before pxr, OpenImageIO or OpenColorIO are loaded."""
     script = (
         "import sys; from hdwavefront.cli.main import main; code = main(['record', '--help']);"
-        "heavy = {'pxr', 'OpenImageIO', 'PyOpenColorIO', 'numpy'} & set(sys.modules); sys.exit(f'{code} {heavy}' if heavy or code else 0)"
+        "heavy = {'pxr', 'OpenImageIO', 'PyOpenColorIO', 'numpy'} & set(sys.modules);"
+        "sys.exit(f'{code} {heavy}' if heavy or code else 0)"
     )
     result = subprocess.run(
         [sys.executable, "-c", script],

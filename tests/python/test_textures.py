@@ -172,9 +172,7 @@ def test_files_inside_packages(load, tmp_path):
 
     with zipfile.ZipFile(package, "w"):
         pass
-    (tmp_path / "s.usda").write_text(
-        '#usda 1.0\ndef Shader "x" {\n    uniform token info:id = "UsdUVTexture"\n    asset inputs:file = @./a.png@\n}\n'
-    )
+    (tmp_path / "s.usda").write_text('#usda 1.0\ndef Shader "x" {\n    asset inputs:file = @./a.png@\n}\n')
     assert UsdUtils.CreateNewUsdzPackage(str(tmp_path / "s.usda"), str(package))
     inside = next(n for n in zipfile.ZipFile(package).namelist() if n.endswith(".png"))
     assert (load(f"{package}[{inside}]", "raw") == load(image, "raw")).all()

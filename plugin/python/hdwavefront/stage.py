@@ -44,6 +44,9 @@ def open_stage(path: str, diagnostics: Diagnostics, *, mask: tuple[str, ...] = (
         stage = Usd.Stage.OpenMasked(root, session, population) if mask else Usd.Stage.Open(root, session)
     except Tf.ErrorException as error:
         raise HdWavefrontError(f"The stage {path} cannot be opened: {_reason(error)}") from None
+    else:
+        if stage:
+            author_missing_mtlx(stage, diagnostics)
     finally:
         warnings = [str(w.commentary) for w in listener.TakeUncoalescedDiagnostics()]
         del listener
@@ -53,7 +56,6 @@ def open_stage(path: str, diagnostics: Diagnostics, *, mask: tuple[str, ...] = (
         text = " ".join(warning.split())
         if ".mtlx" not in text:
             diagnostics.warning("usd-warning", path, text.split(" (instantiating stage")[0])
-    author_missing_mtlx(stage, diagnostics)
     return stage
 
 
