@@ -19,7 +19,7 @@ from typing import Any
 MATERIALS = {
     "Clay": "color3f inputs:diffuseColor = (0.7, 0.3, 0.2)\n float inputs:roughness = 0.9",
     "Plastic": "color3f inputs:diffuseColor = (0.1, 0.3, 0.7)\n float inputs:roughness = 0.2",
-    "Metal": "color3f inputs:diffuseColor = (0.9, 0.8, 0.5)\n float inputs:metallic = 1\n float inputs:roughness = 0.15",
+    "Metal": "color3f inputs:diffuseColor = (0.9, 0.8, 0.5)\n float inputs:metallic = 1\n float inputs:roughness = 0.1",
     "Coated": "color3f inputs:diffuseColor = (0.1, 0.5, 0.2)\n float inputs:clearcoat = 1\n"
     " float inputs:clearcoatRoughness = 0.05",
 }
@@ -51,7 +51,11 @@ def own_scene(path: Path) -> None:
         for y in range(8)
     )
     path.write_text(f"""#usda 1.0
-(defaultPrim = "World" upAxis = "Y" metersPerUnit = 1)
+(
+    defaultPrim = "World"
+    upAxis = "Y"
+    metersPerUnit = 1
+)
 def Xform "World" {{
     def Scope "Looks" {{{materials}
     }}{spheres}
@@ -70,7 +74,9 @@ def Xform "World" {{
         float xformOp:rotateX = -90
         uniform token[] xformOpOrder = ["xformOp:translate", "xformOp:rotateX"]
     }}
-    def DomeLight "Sky" {{ float inputs:intensity = 0.4 }}
+    def DomeLight "Sky" {{
+        float inputs:intensity = 0.4
+    }}
     def Camera "Camera" {{
         float focalLength = 30
         double3 xformOp:translate = (0, 5, 10)
