@@ -20,11 +20,10 @@ void main() {
   vec4 o = uintBitsToFloat(loadPath(kChunkShadowOrigin, path));
   vec4 light = uintBitsToFloat(loadPath(kChunkLightSample, path));
   uvec4 lastHit = loadPath(kChunkShadowHit, path);
-  bool again = pathShadowPasses(ids.w) != 0u;
   uint result = kShadowClear;
   Hit hit;
   if (frame.hasGeometry != 0u) {
-    result = traverseShadow(Ray(o.xyz, o.w, light.xyz, light.w), 4u, again ? lastHit.x : 0xffffffffu, again ? lastHit.y : 0xffffffffu, hit);
+    result = traverseShadow(Ray(o.xyz, o.w, light.xyz, light.w), 4u, lastHit.x, lastHit.y, hit);
   }
   uint phase = kPhaseReady;
   if (result == kShadowBlocked) {

@@ -124,6 +124,7 @@ void main() {
       storePathF(kChunkShadowOrigin, path, vec4(from, 0.0));
       storePathF(kChunkLightSample, path, vec4(light.xyz, tMax));
       storePathF(kChunkShadowContribution, path, vec4(contribution, uintBitsToFloat(record.y != kNoLight ? item : kNoLight)));
+      storePath(kChunkShadowHit, path, hit);  // to be skipped
       ids.w |= kFlagShadow;
       pushShadowRay(path);
     }
@@ -145,7 +146,8 @@ void main() {
   ids.w += 1u << kBounceShift;
   storePathF(kChunkRayOrigin, path, vec4(offsetRayOrigin(sp.positionWorld, error, sp.normalGeometric, wi), 0.0));
   storePathF(kChunkRayDirection, path, vec4(wi, 3.4e38));
-  storePath(kChunkHitDistance, path, uvec4(0u, 0xffffffffu, 0xffffffffu, floatBitsToUint(coneWidth)));
+  // A planar surface cannot be hit again by a ray that leaves it: named, it is skipped whatever rounding says.
+  storePath(kChunkHitDistance, path, uvec4(0u, hit.x, hit.y, floatBitsToUint(coneWidth)));
   storePathF(kChunkThroughput, path, vec4(throughput, sampled.a));
   // A rough bounce widens the cone: about the angle of the solid angle 1/pdf, bounded so that textures never turn to mush.
   storePathF(kChunkCone, path, vec4(min(cone.x + 0.125 * inversesqrt(sampled.a), 0.25), cone.yzw));
