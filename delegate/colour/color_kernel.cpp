@@ -10,9 +10,6 @@
 namespace delegate {
 namespace {
 
-// Pixels that one call transforms: 64 MiB, half of the smallest storage-buffer range that Vulkan devices we know offer.
-constexpr uint64_t kBandPixels = (64u << 20) / 16;
-
 bool IsIdentifier(const std::string& name) {
   static const std::regex identifier("[A-Za-z_][A-Za-z0-9_]*");
   return std::regex_match(name, identifier);
@@ -24,11 +21,11 @@ std::string ColorKernelSource(const ColorShader& shader) {
   return "#version 460\n"
          "layout(local_size_x = 64) in;\n"
          "layout(set = 0, binding = 0, std430) buffer Pixels { vec4 pixels[]; };\n"
-         "layout(push_constant) uniform Size { uvec2 imageSize; };\n" +
+         "layout(push_constant) uniform Size { uint pixelCount; };\n" +
          shader.glsl +
          "\nvoid main() {\n"
-         "  if (gl_GlobalInvocationID.x >= imageSize.x || gl_GlobalInvocationID.y >= imageSize.y) return;\n"
-         "  uint index = gl_GlobalInvocationID.y * imageSize.x + gl_GlobalInvocationID.x;\n"
+         "  uint index = gl_GlobalInvocationID.y * gl_NumWorkGroups.x * gl_WorkGroupSize.x + gl_GlobalInvocationID.x;\n"
+         "  if (index >= pixelCount) return;\n"
          "  pixels[index] = " +
          shader.function +
          "(pixels[index]);\n"
@@ -72,14 +69,7 @@ wavefront::Status RunColorShader(wavefront::Renderer& renderer, const ColorShade
   std::string error;
   const std::vector<uint32_t> spirv = materialgen::CompileGlsl(ColorKernelSource(shader), "colour transform", &error);
   if (spirv.empty()) return wavefront::Error{"The colour shader does not compile: " + error};
-  const auto rows = static_cast<uint32_t>(std::clamp<uint64_t>(kBandPixels / width, 1, height));
-  for (uint32_t row = 0; row < height; row += rows) {
-    const uint32_t count = std::min(rows, height - row);
-    const auto status = renderer.RunColorKernel(
-        spirv, luts, rgba.subspan(size_t{row} * width * 4, size_t{count} * width * 4), width, count);
-    if (!status) return status;
-  }
-  return {};
+  return renderer.RunColorKernel(spirv, luts, rgba, width, height);
 }
 
 }  // namespace delegate

@@ -2,10 +2,10 @@
 // Copyright the hdWavefront authors
 // A colour library's own GPU shader (OpenColorIO's GLSL text and LUTs) as a compute kernel over RGBA pixels.
 //
-// What the kernel made here expects of Renderer::RunColorKernel: descriptor set 0, binding 0: a storage buffer of
-// width * height vec4 pixels, changed in place; a combined image sampler (1-D, 2-D or 3-D by ColorLut::dimension, clamped
-// to the edge, linear or nearest by ColorLut::linear) at each ColorLut::binding; push constants: uvec2(width, height);
-// workgroups of 64 x 1, one invocation a pixel: dispatch (ceil(width / 64), height, 1). Entry point "main".
+// What the kernel made here expects of Renderer::RunColorKernel: descriptor set 0, binding 0: a storage buffer of vec4
+// pixels, changed in place; a combined image sampler (1-D, 2-D or 3-D by ColorLut::dimension, clamped to the edge, linear
+// or nearest by ColorLut::linear) at each ColorLut::binding; push constants: uint pixelCount; workgroups of 64, rows of
+// workgroups following each other where x does not suffice. Entry point "main".
 #pragma once
 
 #include <optional>
@@ -30,8 +30,7 @@ std::string ColorKernelSource(const ColorShader& shader);
 // The binding that the text's layout gives a sampler, or nothing.
 std::optional<uint32_t> FindSamplerBinding(const std::string& glsl, const std::string& sampler);
 
-// Pixels are transformed in place, in bands of rows that fit any device. Errors name the shader's line or the device's
-// trouble.
+// Pixels are transformed in place. Errors name the shader's line or the device's trouble.
 wavefront::Status RunColorShader(wavefront::Renderer& renderer, const ColorShader& shader, std::span<float> rgba,
                                  uint32_t width, uint32_t height);
 

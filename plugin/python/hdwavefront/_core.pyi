@@ -29,7 +29,7 @@ def list_devices() -> list[dict[str, Any]]:
     """name, driver, type, apiVersion, heapBytes, subgroupSize, usable, whyNot, details (list of pairs)."""
 
 def render_settings() -> list[dict[str, Any]]:
-    """Every render setting: token, type ("int", "float", "bool", "string"), default, doc, flag (CLI name)."""
+    """Every render setting: token, type ("int", "float", "bool"), default, minimum, maximum, doc, flag (CLI name)."""
 
 def aovs() -> list[dict[str, Any]]:
     """Every AOV: token, components, format ("float32", "int32"), clear, rule, doc."""
@@ -272,6 +272,9 @@ class RenderDelegate:
         """Distinct ones in order of arrival, from index `since` on."""
     def camera_matrices(self) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]:
         """(worldToCamera, worldToNDC) of the committed camera, row-vector convention, for image metadata."""
+
+    def material_source(self, path: str) -> dict[str, str]:
+        """GLSL of a material's kernel by entry: surface, opacity, emission. Empty: unknown, or not generated yet."""
 
     # -- Colour.
     def run_color_kernel(

@@ -7,4 +7,7 @@
 NB_MODULE(_core, module) {
   module.doc() = "hdWavefront's core: renderer, delegate and material generator";
   BindBuildFacts(module);
+  BindRegistries(module);
+  BindValues(module);
+  BindDelegate(module);
 }

@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the hdWavefront authors
+// What there is to choose from: devices, render settings, AOVs.
+#include <nanobind/stl/pair.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/string_view.h>
+#include <nanobind/stl/vector.h>
+
+#include "plugin/python/src/bindings.h"
+#include "plugin/python/src/convert.h"
+
+namespace nb = nanobind;
+
+namespace {
+
+nb::list ListDevices() {
+  std::vector<wavefront::DeviceDescription> devices;
+  {
+    nb::gil_scoped_release release;
+    devices = wavefront::ListDevices();
+  }
+  nb::list result;
+  for (const wavefront::DeviceDescription& device : devices) {
+    nb::dict entry;
+    entry["name"] = device.name;
+    entry["driver"] = device.driver;
+    entry["type"] = device.type;
+    entry["apiVersion"] = device.apiVersion;
+    entry["heapBytes"] = device.heapBytes;
+    entry["subgroupSize"] = device.subgroupSize;
+    entry["usable"] = device.usable;
+    entry["whyNot"] = device.whyNot;
+    entry["details"] = device.details;
+    result.append(entry);
+  }
+  return result;
+}
+
+const char* TypeName(delegate::SettingType type) {
+  switch (type) {
+    case delegate::SettingType::Int: return "int";
+    case delegate::SettingType::Float: return "float";
+    case delegate::SettingType::Bool: return "bool";
+  }
+  return "";
+}
+
+// maxBounces -> --maxBounces: usdrecord spells its flags like this.
+nb::list RenderSettings() {
+  nb::list result;
+  for (const delegate::SettingInfo& info : delegate::RenderSettingInfos()) {
+    nb::dict entry;
+    entry["token"] = info.token;
+    entry["type"] = TypeName(info.type);
+    entry["default"] = WriteSetting(info.defaultValue);
+    entry["minimum"] = info.minimum;
+    entry["maximum"] = info.maximum;
+    entry["doc"] = info.doc;
+    entry["flag"] = "--" + std::string(info.token);
+    result.append(entry);
+  }
+  return result;
+}
+
+nb::list Aovs() {
+  nb::list result;
+  for (const wavefront::AovInfo& info : wavefront::Aovs()) {
+    nb::dict entry;
+    entry["token"] = info.token;
+    entry["components"] = info.components;
+    entry["format"] = info.format == wavefront::AovFormat::Float32 ? "float32" : "int32";
+    entry["clear"] = info.clear;
+    entry["rule"] = info.rule == wavefront::AovRule::Mean ? "mean" : "firstSample";
+    entry["doc"] = info.doc;
+    result.append(entry);
+  }
+  return result;
+}
+
+}  // namespace
+
+void BindRegistries(nb::module_& module) {
+  module.def("list_devices", &ListDevices);
+  module.def("render_settings", &RenderSettings);
+  module.def("aovs", &Aovs);
+}
