@@ -3,7 +3,7 @@
 """References to .mtlx files where pxr has no UsdMtlx, as in the usd-core wheel.
 
 Such a pxr opens the stage with an empty prim in the reference's place. Each file is converted by the `materialx`
-package to an anonymous layer of UsdMtlx's layout (/MaterialX/Materials/<material>), which is referenced from the session layer.
+package to an anonymous layer of UsdMtlx's layout (/MaterialX/Materials/<material>), which the session layer references.
 Where that cannot be done, a diagnostic says which materials are missing and why.
 """
 

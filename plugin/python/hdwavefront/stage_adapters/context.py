@@ -72,6 +72,7 @@ class Rprim:
     path: str
     context: PrimContext
     emit: Callable[[Translation, Rprim], None]
+    names: frozenset[str]  # authored properties: reading only those halves the time
     material: str = ""
     subset_materials: tuple[str, ...] = ()
     subsets: tuple[Any, ...] = ()

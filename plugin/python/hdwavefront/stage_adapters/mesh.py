@@ -30,51 +30,66 @@ def _floats(value: Any) -> np.ndarray:
     return np.asarray(value if value is not None else (), dtype=np.float32)
 
 
-def _topology(translation: Translation, mesh: UsdGeom.Mesh, rprim: Rprim) -> Update:
-    time = translation.time
+# Subdivision tags: name -> numbers or tokens.
+_TAGS: dict[str, Any] = {
+    "interpolateBoundary": str,
+    "faceVaryingLinearInterpolation": str,
+    "triangleSubdivisionRule": str,
+    "cornerIndices": _ints,
+    "cornerSharpnesses": _floats,
+    "creaseIndices": _ints,
+    "creaseLengths": _ints,
+    "creaseSharpnesses": _floats,
+}
+
+
+def _topology(translation: Translation, rprim: Rprim) -> Update:
+    """What is authored; absent keys take UsdGeomMesh's fallbacks."""
+    time, prim, names = translation.time, rprim.prim, rprim.names
+
+    def get(name: str) -> Any:
+        return prim.GetAttribute(name).Get(time) if name in names else None
+
     topology: Update = {
-        "scheme": str(mesh.GetSubdivisionSchemeAttr().Get(time) or "catmullClark"),
-        "orientation": str(mesh.GetOrientationAttr().Get(time) or "rightHanded"),
-        "faceVertexCounts": _ints(mesh.GetFaceVertexCountsAttr().Get(time)),
-        "faceVertexIndices": _ints(mesh.GetFaceVertexIndicesAttr().Get(time)),
-        "holeIndices": _ints(mesh.GetHoleIndicesAttr().Get(time)),
-        "subsets": [(str(s.GetPath()), _ints(s.GetIndicesAttr().Get(time))) for s in rprim.subsets],
+        "scheme": str(get("subdivisionScheme") or "catmullClark"),
+        "orientation": str(get("orientation") or "rightHanded"),
+        "faceVertexCounts": _ints(get("faceVertexCounts")),
+        "faceVertexIndices": _ints(get("faceVertexIndices")),
+        "holeIndices": _ints(get("holeIndices")),
     }
+    if rprim.subsets:
+        topology["subsets"] = [(str(s.GetPath()), _ints(s.GetIndicesAttr().Get(time))) for s in rprim.subsets]
     if topology["scheme"] != "none":
-        topology["interpolateBoundary"] = str(mesh.GetInterpolateBoundaryAttr().Get(time) or "")
-        topology["faceVaryingLinearInterpolation"] = str(mesh.GetFaceVaryingLinearInterpolationAttr().Get(time) or "")
-        topology["triangleSubdivisionRule"] = str(mesh.GetTriangleSubdivisionRuleAttr().Get(time) or "")
-        topology["cornerIndices"] = _ints(mesh.GetCornerIndicesAttr().Get(time))
-        topology["cornerSharpnesses"] = _floats(mesh.GetCornerSharpnessesAttr().Get(time))
-        topology["creaseIndices"] = _ints(mesh.GetCreaseIndicesAttr().Get(time))
-        topology["creaseLengths"] = _ints(mesh.GetCreaseLengthsAttr().Get(time))
-        topology["creaseSharpnesses"] = _floats(mesh.GetCreaseSharpnessesAttr().Get(time))
+        for name in names & _TAGS.keys():
+            value = get(name)
+            if value is not None:
+                topology[name] = _TAGS[name](value)
     return topology
 
 
 def _normals(translation: Translation, mesh: UsdGeom.Mesh) -> PrimvarUpdate | None:
     """UsdGeomPointBased.normals, which primvars:normals overrides where both are authored."""
-    attribute = mesh.GetNormalsAttr()
-    if not attribute.HasAuthoredValue():
-        return None
-    values = vector_array(translation, attribute)
+    values = vector_array(translation, mesh.GetNormalsAttr())
     return ("normals", str(mesh.GetNormalsInterpolation()), values, None) if values.size else None
+
+
+_SKINNING = frozenset({"primvars:skel:jointIndices", "skel:skeleton"})
 
 
 def emit_mesh(translation: Translation, rprim: Rprim) -> None:
     mesh = UsdGeom.Mesh(rprim.prim)
     primvars = gprim_primvars(translation, rprim)
-    if not any(p[0] == "normals" for p in primvars):
+    if "normals" in rprim.names and not any(p[0] == "normals" for p in primvars):
         normals = _normals(translation, mesh)
         if normals:
             primvars.append(normals)
-    if any(str(n) in ("primvars:skel:jointIndices", "skel:skeleton") for n in rprim.prim.GetAuthoredPropertyNames()):
+    if rprim.names & _SKINNING:
         translation.diagnostics.warning(
             "skinning-unsupported", rprim.path, "skinning is not evaluated yet; the mesh is drawn in its rest pose"
         )
     update = common_fields(rprim, primvars)
-    update["double_sided"] = bool(mesh.GetDoubleSidedAttr().Get(translation.time))
-    update["topology"] = _topology(translation, mesh, rprim)
+    update["double_sided"] = "doubleSided" in rprim.names and bool(mesh.GetDoubleSidedAttr().Get(translation.time))
+    update["topology"] = _topology(translation, rprim)
     update["points"] = vector_array(translation, mesh.GetPointsAttr())
     update["subset_materials"] = list(rprim.subset_materials)
     update["refine_level"] = translation.options.refine_level

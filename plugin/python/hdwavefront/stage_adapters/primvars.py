@@ -109,6 +109,8 @@ def primvar_updates(
 
 def gprim_primvars(translation: Translation, rprim: Any) -> list[PrimvarUpdate]:
     """All primvars of a prim: its own, and inherited constants that the instancer does not give to each instance."""
+    if not rprim.context.primvars and not any(name.startswith("primvars:") for name in rprim.names):
+        return []
     own = UsdGeom.PrimvarsAPI(rprim.prim).FindPrimvarsWithInheritance(list(rprim.context.primvars))
     hidden = rprim.context.instance_primvars
     if hidden:

@@ -73,13 +73,14 @@ class _Walk:
         type_name = str(prim.GetTypeName())
         if type_name in _LEAF_TYPES:
             return
-        context = self._inherit(prim, parent)
+        names = frozenset(prim.GetAuthoredPropertyNames())
+        context = self._inherit(prim, parent, names)
         if context is None:
             return
         drawn = context.purpose in translation.options.purposes
         if type_name in RPRIM_ADAPTERS:
             if drawn:
-                self._add_rprim(prim, context, RPRIM_ADAPTERS[type_name])
+                self._add_rprim(prim, context, RPRIM_ADAPTERS[type_name], names)
         elif type_name == "PointInstancer":
             if drawn:
                 self._point_instancer(prim, context)
@@ -98,24 +99,24 @@ class _Walk:
         else:
             self._push_children(prim, context)
 
-    def _inherit(self, prim: Usd.Prim, parent: PrimContext) -> PrimContext | None:
+    def _inherit(self, prim: Usd.Prim, parent: PrimContext, names: frozenset[str]) -> PrimContext | None:
         """The prim's context; None if it and all below are invisible."""
-        imageable = UsdGeom.Imageable(prim)
-        if not imageable:
+        if not names or not UsdGeom.Imageable(prim):
             return parent
         time = self.translation.time
         changes: dict[str, Any] = {}
-        visibility = imageable.GetVisibilityAttr()
-        if visibility.HasAuthoredValue() and visibility.Get(time) == UsdGeom.Tokens.invisible:
+        if "visibility" in names and prim.GetAttribute("visibility").Get(time) == UsdGeom.Tokens.invisible:
             return None
-        purpose = imageable.GetPurposeAttr()
-        if purpose.HasAuthoredValue():
-            changes["purpose"], changes["purpose_authored"] = str(purpose.Get()), True
-        primvars = UsdGeom.PrimvarsAPI(prim).FindIncrementallyInheritablePrimvars(list(parent.primvars))
-        if primvars:
-            changes["primvars"] = tuple(primvars)
-        xformable = UsdGeom.Xformable(prim)
-        if xformable and xformable.GetXformOpOrderAttr().HasAuthoredValue():
+        if "purpose" in names:
+            purpose = prim.GetAttribute("purpose").Get()
+            if purpose is not None:
+                changes["purpose"], changes["purpose_authored"] = str(purpose), True
+        if any(name.startswith("primvars:") for name in names):
+            primvars = UsdGeom.PrimvarsAPI(prim).FindIncrementallyInheritablePrimvars(list(parent.primvars))
+            if primvars:
+                changes["primvars"] = tuple(primvars)
+        if "xformOpOrder" in names:
+            xformable = UsdGeom.Xformable(prim)
             local = xformable.GetLocalTransformation(time)
             changes["transform"] = local if xformable.GetResetXformStack() else local * parent.transform
         return parent.at(**changes) if changes else parent
@@ -130,9 +131,16 @@ class _Walk:
         self._paths.add(path)
         return path
 
-    def _add_rprim(self, prim: Usd.Prim, context: PrimContext, emit: Callable[[Translation, Rprim], None]) -> None:
-        subsets = collect_subsets(prim) if emit is emit_mesh else ()
-        self.rprims.append(Rprim(prim, self._unique_path(prim, context), context, emit, subsets=subsets))
+    def _add_rprim(
+        self,
+        prim: Usd.Prim,
+        context: PrimContext,
+        emit: Callable[[Translation, Rprim], None],
+        names: frozenset[str],
+    ) -> None:
+        subsets = collect_subsets(prim) if emit is emit_mesh and prim.GetAllChildrenNames() else ()
+        path = self._unique_path(prim, context)
+        self.rprims.append(Rprim(prim, path, context, emit, names, subsets=subsets))
 
     def _point_instancer(self, prim: Usd.Prim, context: PrimContext) -> None:
         own = str(prim.GetPath())
