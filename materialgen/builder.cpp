@@ -462,7 +462,8 @@ Port Builder::EvaluateFunction(const Node& node, const std::string& output) {
   }
   std::set<std::string> seen;
   const std::string code = library_.FunctionSource(node.definition->file, &seen);
-  if (wanted < 0 || Components(result.type) == 0 || code.find('$') != std::string::npos || code.empty()) {
+  if (wanted < 0 || Components(result.type) == 0 || code.empty() || code.find('$') != std::string::npos ||
+      node.definition->category == "heighttonormal") {  // needs derivatives of a texture
     result.isUnknown = true;
     return result;
   }

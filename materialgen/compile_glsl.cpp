@@ -3,7 +3,6 @@
 #include <glslang/Include/ResourceLimits.h>
 #include <glslang/Public/ShaderLang.h>
 #include <glslang/SPIRV/GlslangToSpv.h>
-#include <spirv-tools/optimizer.hpp>
 
 #include <mutex>
 #include <string>
@@ -51,15 +50,6 @@ class Includer final : public glslang::TShader::Includer {
   }
 };
 
-// Drops the library functions that nothing calls: most of what the includes bring. Drivers read less and cache less.
-std::vector<uint32_t> Shrink(const std::vector<uint32_t>& spirv) {
-  spvtools::Optimizer optimizer(SPV_ENV_VULKAN_1_3);
-  optimizer.RegisterPass(spvtools::CreateEliminateDeadFunctionsPass());
-  optimizer.RegisterPass(spvtools::CreateEliminateDeadConstantPass());
-  std::vector<uint32_t> result;
-  return optimizer.Run(spirv.data(), spirv.size(), &result) ? result : spirv;
-}
-
 }  // namespace
 
 std::vector<uint32_t> CompileGlsl(const std::string& source, const std::string& name, std::string* error) {
@@ -89,11 +79,11 @@ std::vector<uint32_t> CompileGlsl(const std::string& source, const std::string& 
   }
   std::vector<uint32_t> spirv;
   glslang::SpvOptions options;
+  // The optimiser would halve the size for several times the time of compiling; drivers do the same work anyway.
   options.stripDebugInfo = true;
-  options.disableOptimizer = false;
-  options.optimizeSize = false;
+  options.disableOptimizer = true;
   glslang::GlslangToSpv(*program.getIntermediate(EShLangCompute), spirv, &options);
-  return Shrink(spirv);
+  return spirv;
 }
 
 }  // namespace materialgen

@@ -6,6 +6,7 @@
 #include <MaterialXFormat/Util.h>
 #include <MaterialXFormat/XmlIo.h>
 
+#include <algorithm>
 #include <set>
 
 namespace mx = MaterialX;
@@ -81,17 +82,67 @@ class Reader {
 
 }  // namespace
 
+mx::DocumentPtr Library(const std::string& libraryPath) {
+  static const mx::DocumentPtr library = [&] {
+    mx::DocumentPtr document = mx::createDocument();
+    mx::loadLibraries({"targets", "stdlib", "pbrlib", "bxdf", "cmlib", "nprlib"}, mx::FileSearchPath(libraryPath), document);
+    return document;
+  }();
+  return library;
+}
+
+std::vector<MaterialNetwork> NetworksOfAllNodes(const std::string& libraryPath, size_t batch) {
+  static const std::set<std::string> numbers = {"float", "color3", "color4", "vector2", "vector3", "vector4"};
+  std::vector<MaterialNetwork> networks;
+  std::string sum;
+  size_t count = 0;
+  for (const mx::NodeDefPtr& definition : Library(libraryPath)->getNodeDefs()) {
+    for (const mx::OutputPtr& output : definition->getActiveOutputs()) {
+      const std::string type = output->getType();
+      if (!numbers.count(type) && type != "integer" && type != "boolean" && type != "EDF") continue;
+      if (count++ % batch == 0) {
+        MaterialNetwork network;
+        network.path = "/from_" + definition->getName();
+        network.nodes = {{"/surface", "UsdPreviewSurface", {}}};
+        network.surfaceNode = "/surface";
+        network.surfaceOutput = "surface";
+        for (const std::string& name : numbers) {
+          network.nodes.push_back({"/" + name, "ND_geompropvalue_" + name, {{"geomprop", name}}});
+        }
+        networks.push_back(std::move(network));
+        sum.clear();
+      }
+      MaterialNetwork& network = networks.back();
+      const std::string path = "/" + definition->getName() + "_" + output->getName();
+      network.nodes.push_back({path, definition->getName(), {}});
+      for (const mx::InputPtr& input : definition->getActiveInputs()) {
+        if (input->getType() == "filename") {
+          network.nodes.back().parameters[input->getName()] = materialgen::AssetValue{"a.png", "/a.png", ""};
+        } else if (numbers.count(input->getType())) {
+          network.connections.push_back({"/" + input->getType(), "out", path, input->getName()});
+        }
+      }
+      const std::string add = path + "_add";
+      network.nodes.push_back({add, "ND_add_color3", {}});
+      network.connections.push_back({path, output->getName(), add, "in1"});
+      if (!sum.empty()) network.connections.push_back({sum, "out", add, "in2"});
+      sum = add;
+      // The sum so far is the surface's colour.
+      network.connections.erase(std::remove_if(network.connections.begin(), network.connections.end(),
+                                               [](const materialgen::Connection& c) { return c.downstreamNode == "/surface"; }),
+                                network.connections.end());
+      network.connections.push_back({sum, "out", "/surface", "diffuseColor"});
+    }
+  }
+  return networks;
+}
+
 std::vector<MaterialNetwork> NetworksOf(const std::string& mtlxFile, const std::string& libraryPath) {
   std::vector<MaterialNetwork> networks;
   try {
-    static const mx::DocumentPtr library = [&] {
-      mx::DocumentPtr document = mx::createDocument();
-      mx::loadLibraries({"targets", "stdlib", "pbrlib", "bxdf", "cmlib", "nprlib"}, mx::FileSearchPath(libraryPath), document);
-      return document;
-    }();
     mx::DocumentPtr document = mx::createDocument();
     mx::readFromXmlFile(document, mtlxFile);
-    document->setDataLibrary(library);
+    document->setDataLibrary(Library(libraryPath));
     for (const mx::NodePtr& material : document->getMaterialNodes()) {
       const mx::InputPtr input = material->getInput("surfaceshader");
       const mx::NodePtr surface = input ? input->getConnectedNode() : nullptr;

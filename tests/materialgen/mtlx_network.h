@@ -13,4 +13,8 @@ namespace materialgen_test {
 // Networks of all materials in the file; empty where it cannot be read.
 std::vector<materialgen::MaterialNetwork> NetworksOf(const std::string& mtlxFile, const std::string& libraryPath);
 
+// Every node definition of the library whose outputs are numbers, with a network that adds `batch` of them at a time up
+// into the colour of a surface, all numeric inputs read from primvars, so that nothing folds away.
+std::vector<materialgen::MaterialNetwork> NetworksOfAllNodes(const std::string& libraryPath, size_t batch);
+
 }  // namespace materialgen_test
