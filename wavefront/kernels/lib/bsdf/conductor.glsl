@@ -40,10 +40,10 @@ vec3 conductorSample(ConductorLobe l, vec3 wo, vec3 u)
 
 vec3 conductorAlbedo(ConductorLobe l, vec3 wo)
 {
-    GgxMean mean = ggxMean(abs(wo.z), ggxMeanAlpha(l.alpha));
+    GgxMean mean = ggxMean(abs(wo.z), ggxViewAlpha(wo, l.alpha));
     vec3 fx = fresnelConductor(mean.cosine.x, l.ior, l.extinction);
     vec3 fy = fresnelConductor(mean.cosine.y, l.ior, l.extinction);
-    return ggxCompensatedAlbedo(mean, fx, fy);
+    return ggxCompensatedAlbedo(mean, ggxAlbedo(abs(wo.z), ggxMeanAlpha(l.alpha)), fx, fy);
 }
 
 vec3 conductorThroughput(ConductorLobe l, vec3 wo) { return vec3(0.0); }

@@ -47,7 +47,7 @@ vec3 dielectricSample(DielectricLobe l, vec3 wo, vec3 u)
 vec3 dielectricAlbedo(DielectricLobe l, vec3 wo)
 {
     float eta = wo.z < 0.0 ? 1.0 / l.ior : l.ior;
-    vec2 rt = ggxDielectricAlbedo(abs(wo.z), ggxMeanAlpha(l.alpha), eta);
+    vec2 rt = ggxDielectricAlbedo(abs(wo.z), ggxViewAlpha(wo, l.alpha), eta);
     return l.tint * (rt.x + rt.y);
 }
 

@@ -43,17 +43,20 @@ vec3 dielectricReflectionSample(DielectricReflectionLobe l, vec3 wo, vec3 u)
 
 float dielectricReflectionUntinted(DielectricReflectionLobe l, vec3 wo)
 {
-    GgxMean mean = ggxMean(abs(wo.z), ggxMeanAlpha(l.alpha));
+    float cosO = abs(wo.z);
+    float a = ggxViewAlpha(wo, l.alpha);
+    GgxMean mean = ggxMean(cosO, a);
     vec2 f = vec2(fresnelDielectric(mean.cosine.x, l.ior), fresnelDielectric(mean.cosine.y, l.ior));
-    // Behind a critical angle (ior < 1) the two cosines say too little; what cannot refract is reflected.
-    return l.ior < 1.0 ? 1.0 - ggxInnerTransmission(abs(wo.z), ggxMeanAlpha(l.alpha), l.ior) : ggxCompensatedAlbedo(mean, f);
+    // With a critical angle (ior < 1) the two cosines say too little.
+    f = l.ior < 1.0 ? vec2(1.0 - ggxInnerTransmission(cosO, a, l.ior).x) : f;
+    return ggxCompensatedAlbedo(mean, ggxAlbedo(cosO, ggxMeanAlpha(l.alpha)), f);
 }
 
 vec3 dielectricReflectionAlbedo(DielectricReflectionLobe l, vec3 wo) { return l.tint * dielectricReflectionUntinted(l, wo); }
 
 vec3 dielectricReflectionThroughput(DielectricReflectionLobe l, vec3 wo)
 {
-    return vec3(1.0 - dielectricReflectionUntinted(l, wo));
+    return vec3(clamp(1.0 - dielectricReflectionUntinted(l, wo), 0.0, 1.0));
 }
 
 #endif

@@ -42,7 +42,7 @@ vec3 dielectricTransmissionSample(DielectricTransmissionLobe l, vec3 wo, vec3 u)
 vec3 dielectricTransmissionAlbedo(DielectricTransmissionLobe l, vec3 wo)
 {
     float eta = wo.z < 0.0 ? 1.0 / l.ior : l.ior;
-    return l.tint * ggxDielectricAlbedo(abs(wo.z), ggxMeanAlpha(l.alpha), eta).y;
+    return l.tint * ggxDielectricAlbedo(abs(wo.z), ggxViewAlpha(wo, l.alpha), eta).y;
 }
 
 // A T lobe belongs below the R lobe of its interface; what it refracts is not there for a base.

@@ -39,15 +39,15 @@ vec3 generalizedSchlickSample(GeneralizedSchlickLobe l, vec3 wo, vec3 u)
 
 vec3 generalizedSchlickAlbedo(GeneralizedSchlickLobe l, vec3 wo)
 {
-    GgxMean mean = ggxMean(abs(wo.z), ggxMeanAlpha(l.alpha));
+    GgxMean mean = ggxMean(abs(wo.z), ggxViewAlpha(wo, l.alpha));
     vec3 fx = fresnelSchlick(mean.cosine.x, l.fresnel);
     vec3 fy = fresnelSchlick(mean.cosine.y, l.fresnel);
-    return ggxCompensatedAlbedo(mean, fx, fy);
+    return ggxCompensatedAlbedo(mean, ggxAlbedo(abs(wo.z), ggxMeanAlpha(l.alpha)), fx, fy);
 }
 
 vec3 generalizedSchlickThroughput(GeneralizedSchlickLobe l, vec3 wo)
 {
-    return vec3(1.0 - bsdfMean(generalizedSchlickAlbedo(l, wo)));
+    return vec3(clamp(1.0 - bsdfMean(generalizedSchlickAlbedo(l, wo)), 0.0, 1.0));
 }
 
 #endif

@@ -54,7 +54,7 @@ vec3 generalizedSchlickRtSample(GeneralizedSchlickRtLobe l, vec3 wo, vec3 u)
 vec3 generalizedSchlickRtAlbedo(GeneralizedSchlickRtLobe l, vec3 wo)
 {
     float eta = wo.z < 0.0 ? 1.0 / l.ior : l.ior;
-    mat2x3 rt = schlickAlbedo(abs(wo.z), l.alpha, eta, l.fresnel);
+    mat2x3 rt = schlickAlbedo(wo, l.alpha, eta, l.fresnel);
     return rt[0] + rt[1];
 }
 

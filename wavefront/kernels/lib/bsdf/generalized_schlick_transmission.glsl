@@ -40,7 +40,7 @@ vec3 generalizedSchlickTransmissionSample(GeneralizedSchlickTransmissionLobe l, 
 vec3 generalizedSchlickTransmissionAlbedo(GeneralizedSchlickTransmissionLobe l, vec3 wo)
 {
     float eta = wo.z < 0.0 ? 1.0 / l.ior : l.ior;
-    return schlickAlbedo(abs(wo.z), l.alpha, eta, l.fresnel)[1];
+    return schlickAlbedo(wo, l.alpha, eta, l.fresnel)[1];
 }
 
 vec3 generalizedSchlickTransmissionThroughput(GeneralizedSchlickTransmissionLobe l, vec3 wo) { return vec3(0.0); }

@@ -17,9 +17,6 @@ const float kMinAlpha = 1e-3;
 
 vec2 ggxAlpha(vec2 roughness) { return vec2(bsdfClamp(roughness.x, kMinAlpha, 1.0), bsdfClamp(roughness.y, kMinAlpha, 1.0)); }
 
-// The isotropic roughness whose albedo stands for an anisotropic lobe's (MaterialX: mx_average_alpha).
-float ggxMeanAlpha(vec2 alpha) { return sqrt(alpha.x * alpha.y); }
-
 float ggxStretch(vec3 w, vec2 alpha) { vec2 t = alpha * w.xy; return sqrt(w.z * w.z + dot(t, t)); }
 
 float ggxDistribution(vec3 m, vec2 alpha)

@@ -24,14 +24,17 @@ vec3 fresnelSchlickInterface(float cosI, float eta, SchlickFresnel s)
 }
 
 // (reflection, refraction), uncompensated; as rough as ggxDielectricAlbedo.
-mat2x3 schlickAlbedo(float cosO, vec2 alpha, float eta, SchlickFresnel s)
+mat2x3 schlickAlbedo(vec3 wo, vec2 alpha, float eta, SchlickFresnel s)
 {
-    float a = ggxMeanAlpha(alpha);
+    float cosO = abs(wo.z);
+    float a = ggxViewAlpha(wo, alpha);
     GgxMean mean = ggxMean(cosO, a);
-    vec3 f = mean.share.x * fresnelSchlickInterface(mean.cosine.x, eta, s) +
-             mean.share.y * fresnelSchlickInterface(mean.cosine.y, eta, s);
-    float pass = eta > 1.0 ? ggxRefractedShare(cosO, a, eta) : mean.albedo;
-    return mat2x3(f * mean.albedo, (vec3(1.0) - f) * pass);
+    vec2 inner = ggxInnerTransmission(cosO, a, eta);
+    vec3 f = mean.share.x * fresnelSchlick(mean.cosine.x, s) + mean.share.y * fresnelSchlick(mean.cosine.y, s);
+    // From the inside: the dielectric's share, by the colour at normal incidence.
+    vec3 pass = eta > 1.0 ? vec3(1.0) - f : inner.x * (vec3(1.0) - s.f0) / max(1.0 - bsdfMean(s.f0), 0.1);
+    pass = min(pass, vec3(1.0));
+    return mat2x3((vec3(1.0) - pass) * mean.albedo, pass * (eta > 1.0 ? ggxRefractedShare(cosO, a, eta) : inner.y));
 }
 
 #endif

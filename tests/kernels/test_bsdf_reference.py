@@ -1,0 +1,155 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright the hdWavefront authors
+"""Lobes against published numbers, and closed bodies of glass."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from bsdf_cases import LOBES, WHITE
+from bsdf_harness import Cells, Device, direction, integrate
+
+
+def _reflected(runner, name: str, sets: list[list[float]], wo: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Integral of eval (configs, 3), and throughput, of parameter sets x wo."""
+    device = Device(runner, LOBES[name])
+    params = np.zeros((len(sets) * len(wo), 16), np.float32)
+    for i, values in enumerate(sets):
+        params[i * len(wo) : (i + 1) * len(wo), : len(values)] = values
+    views = np.tile(wo, (len(sets), 1))
+    wi, _ = device.sample(params, views, 4096)
+    cells = Cells.of(wi, (wi**2).sum(-1) > 0.5, 2048, 5)
+    integrals, _ = integrate(device, params, views, cells)
+    out = np.zeros((len(views), 4))
+    np.add.at(out, cells.config, integrals)
+    return out[:, :3], device.albedo(params, views)[1]
+
+
+# Single scattering, F = 1, height-correlated Smith: rows alpha, columns mu = 1, .7, .4, .1.
+GGX = {
+    0.10: (0.9882, 0.9816, 0.9568, 0.8833),
+    0.25: (0.9159, 0.8854, 0.8442, 0.8916),
+    0.50: (0.6879, 0.6826, 0.7160, 0.8602),
+    0.75: (0.4639, 0.5110, 0.6024, 0.8109),
+    1.00: (0.3066, 0.3794, 0.4984, 0.7601),
+}
+MU = np.array([1.0, 0.7, 0.4, 0.1])
+
+
+def test_single_scattering_ggx(kernel_runner):
+    """generalized_schlick RT of colour 1 reflects everything and compensates nothing."""
+    sets = [[*WHITE, 5.0, *WHITE, 0.0, *WHITE, 0.0, alpha, alpha] for alpha in GGX]
+    wo = np.array([direction(np.degrees(np.arccos(mu)), 0) for mu in MU])
+    albedo, _ = _reflected(kernel_runner, "generalizedSchlickRt", sets, wo)
+    expected = np.array(list(GGX.values()))
+    np.testing.assert_allclose(albedo[:, 1].reshape(expected.shape), expected, rtol=0.005)
+
+
+@pytest.mark.parametrize("name", ["conductor", "generalizedSchlick"])
+def test_compensated_white_ggx_reflects_everything(kernel_runner, name):
+    def values(alpha):
+        if name == "conductor":
+            return [1e-3] * 3 + [0.0] + [1e3] * 3 + [0.0, alpha, alpha]
+        return [*WHITE, 5.0, *WHITE, 0.0, *WHITE, 0.0, alpha, alpha]
+
+    wo = np.array([direction(np.degrees(np.arccos(mu)), 0) for mu in MU])
+    albedo, _ = _reflected(kernel_runner, name, [values(alpha) for alpha in GGX], wo)
+    np.testing.assert_allclose(albedo, 1, atol=0.008)
+
+
+# Means over the inner half of a sphere's disc, roughness 0 to 1 in steps of 0.1.
+OREN_NAYAR = (1.001, 0.988, 0.955, 0.909, 0.857, 0.808, 0.765, 0.729, 0.699, 0.674, 0.653)
+BURLEY = (0.976, 0.981, 0.987, 0.993, 0.999, 1.005, 1.010, 1.016, 1.022, 1.030, 1.034)
+SHEEN_OVER_WHITE = (0.993, 0.989, 0.991, 0.995, 0.995, 0.995, 0.993, 0.993, 0.990, 0.989, 0.985)
+ZELTNER_OVER_WHITE = (1.0,) * 11
+
+
+@pytest.mark.parametrize(
+    ("name", "expected", "tolerance"),
+    [
+        ("orenNayar", OREN_NAYAR, 0.01),
+        ("orenNayarCompensated", (1.0,) * 11, 0.003),
+        ("burley", BURLEY, 0.01),
+        ("sheenContyKulla", SHEEN_OVER_WHITE, 0.01),
+        ("sheenZeltner", ZELTNER_OVER_WHITE, 0.003),
+    ],
+)
+def test_furnace_of_materialx_lobes(kernel_runner, name, expected, tolerance):
+    sin2 = (np.arange(8) + 0.5) / 8 * 0.25
+    wo = np.array([direction(np.degrees(np.arcsin(np.sqrt(s))), 25) for s in sin2])
+    sets = [[*WHITE, r / 10] for r in range(11)]
+    reflected, through = _reflected(kernel_runner, name, sets, wo)
+    if name.startswith("sheen"):
+        reflected = reflected + through  # over a white base
+    means = reflected[:, 1].reshape(11, -1).mean(1)
+    np.testing.assert_allclose(means, expected, rtol=tolerance)
+
+
+@pytest.mark.parametrize("ior", [1.3, 1.5, 2.4])
+@pytest.mark.parametrize("alpha", [0.0, 0.1, 0.25])
+def test_coat_over_white_neither_gains_nor_loses(kernel_runner, ior, alpha):
+    """dielectric R layered over a white base, as MaterialX layers it: 1 within 1.5 %."""
+    wo = np.array([direction(theta, 10) for theta in (0.5, 30, 50, 70, 80, 86)])
+    reflected, through = _reflected(kernel_runner, "dielectricReflection", [[*WHITE, ior, alpha, alpha]], wo)
+    np.testing.assert_allclose(reflected + through, 1, atol=0.015)
+
+
+GLASS_BODY = """
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_control_flow_attributes : require
+#include "lib/bsdf/dielectric.glsl"
+layout(local_size_x = 64) in;
+layout(constant_id = 0) const uint kSlab = 0;
+layout(push_constant) uniform Push { float alpha; float ior; };
+layout(binding = 0, std430) buffer Out { vec4 result[]; };
+uvec3 pcg(uvec3 v) {
+  v = v * 1664525u + 1013904223u;
+  v.x += v.y * v.z; v.y += v.z * v.x; v.z += v.x * v.y;
+  v ^= v >> 16u;
+  v.x += v.y * v.z; v.y += v.z * v.x; v.z += v.x * v.y;
+  return v;
+}
+// A ray from outside onto a unit sphere, or a slab, in a furnace of radiance 1: its weight on leaving.
+void main() {
+  uint i = gl_GlobalInvocationID.x;
+  DielectricLobe l = dielectricMake(vec3(1.0), ior, vec2(alpha));
+  vec3 u = vec3(pcg(uvec3(i, 5u, 9u)) >> 8) * (1.0 / 16777216.0);
+  float mu = sqrt(1.0 - u.x);
+  vec3 p = vec3(0.0, 0.0, 1.0);
+  vec3 d = -vec3(sqrt(u.x), 0.0, mu);
+  float weight = 1.0;
+  bool left = false;
+  [[dont_unroll]] for (uint bounce = 0; bounce < 256 && weight > 0.0 && !left; ++bounce) {
+    vec3 n = kSlab == 1 ? vec3(0.0, 0.0, p.z) : p;
+    vec3 t = normalize(abs(n.x) < 0.9 ? cross(n, vec3(1.0, 0.0, 0.0)) : cross(n, vec3(0.0, 1.0, 0.0)));
+    mat3 frame = mat3(t, cross(n, t), n);
+    vec3 wo = -d * frame;
+    vec3 wi = dielectricSample(l, wo, vec3(pcg(uvec3(i, bounce, 77u)) >> 8) * (1.0 / 16777216.0));
+    if (wi == vec3(0.0)) { weight = 0.0; break; }
+    vec4 f = dielectricEval(l, wo, wi);
+    weight *= f.a > 0.0 ? f.r / f.a : 0.0;
+    d = normalize(frame * wi);
+    left = wi.z > 0.0;
+    p = kSlab == 1 ? vec3(0.0, 0.0, -p.z) : normalize(p - 2.0 * dot(p, d) * d);
+  }
+  result[i] = vec4(weight, left ? 1.0 : 0.0, 0.0, 0.0);
+}
+"""
+
+
+@pytest.mark.parametrize("slab", [0, 1])
+@pytest.mark.parametrize(("alpha", "ior"), [(0.0, 1.5), (0.0, 1.0), (0.0, 0.75), (0.0, 2.4), (0.2, 1.5)])
+def test_furnace_of_a_body_of_clear_glass(kernel_runner, slab, alpha, ior):
+    """Smooth: all light comes back, inside as outside. Rough: masking loses some, never gains."""
+    count = 1 << 15
+    out = kernel_runner.run(
+        GLASS_BODY,
+        {0: np.zeros((count, 4), np.float32)},
+        (count // 64,),
+        push=np.array([alpha, ior], np.float32).tobytes(),
+        spec={0: slab},
+    )[0]
+    mean = (out[:, 0] * out[:, 1]).mean()
+    assert mean < 1 + 1e-4
+    assert mean > (0.997 if alpha == 0 else 0.8), mean
