@@ -19,6 +19,12 @@ std::string Environment(const char* name) {
   return text != nullptr ? text : "";
 }
 
+Validation WantedValidation(const DeviceOptions& options) {
+  const std::string environment = Environment("HDWAVEFRONT_VALIDATION");
+  if (options.synchronizationValidation || environment == "sync") return Validation::Synchronization;
+  return options.validation || (!environment.empty() && environment != "0") ? Validation::On : Validation::Off;
+}
+
 Status CreateLogicalDevice(Context& context) {
   const float priority = 1;
   auto queue = Struct<VkDeviceQueueCreateInfo>(VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO);
@@ -64,7 +70,7 @@ Context::~Context() {
 int64_t LiveDevices() { return liveDevices; }
 
 Result<std::vector<DeviceInfo>> ListDevices() {
-  auto instance = Instance::Acquire(false);
+  auto instance = Instance::Acquire(Validation::Off);
   if (!instance) return instance.error();
   auto devices = EnumerateDevices(**instance);
   if (!devices) return devices.error();
@@ -74,8 +80,7 @@ Result<std::vector<DeviceInfo>> ListDevices() {
 }
 
 Result<std::unique_ptr<Device>> Device::Create(const DeviceOptions& options) {
-  const std::string wanted = Environment("HDWAVEFRONT_VALIDATION");
-  auto instance = Instance::Acquire(options.validation || (!wanted.empty() && wanted != "0"));
+  auto instance = Instance::Acquire(WantedValidation(options));
   if (!instance) return instance.error();
   auto selection = SelectDevice(**instance, options.selector.empty() ? Environment("HDWAVEFRONT_DEVICE") : options.selector);
   if (!selection) return selection.error();
@@ -102,7 +107,7 @@ Device::Device(std::shared_ptr<Context> context) : context_(std::move(context)) 
 Device::~Device() = default;
 
 const DeviceInfo& Device::info() const { return context_->info; }
-bool Device::validation() const { return context_->instance->validation; }
+bool Device::validation() const { return context_->instance->validation != Validation::Off; }
 bool Device::lost() const { return context_->lost; }
 uint64_t Device::memoryBudget() const { return context_->budget; }
 MemoryUse Device::memoryUse() const { return context_->MemoryTotal(); }

@@ -75,6 +75,9 @@ struct DeviceOptions {
   uint64_t memoryBudgetBytes = 0;   // 0: the size of the largest device-local heap
   bool forceStaging = false;        // treat memory as a discrete GPU's even where it is unified (tests)
   std::span<const std::byte> pipelineCache;  // from PipelineCacheData() of an earlier run; foreign data is ignored
+  // Hazards between commands as well ($HDWAVEFRONT_VALIDATION=sync). It sees whole bindings only: kernels that run side
+  // by side on different paths of one buffer are a hazard to it, so it is for looking at one place at a time.
+  bool synchronizationValidation = false;
 };
 
 // Messages of the validation layer since the process started: warnings and errors, all devices.

@@ -69,7 +69,8 @@ Function Load(VkInstance instance, const char* name) {
   return reinterpret_cast<Function>(vkGetInstanceProcAddr(instance, name));
 }
 
-Result<std::shared_ptr<Instance>> CreateInstance(bool validation) {
+Result<std::shared_ptr<Instance>> CreateInstance(Validation validation) {
+  const bool listening = validation != Validation::Off;
   if (vkEnumerateInstanceVersion == nullptr) {
     return Error{"the Vulkan loader is too old: Vulkan 1.3 is needed"};
   }
@@ -78,17 +79,16 @@ Result<std::shared_ptr<Instance>> CreateInstance(bool validation) {
   if (version < VK_API_VERSION_1_3) {
     return Error{"the Vulkan loader is of version " + VersionText(version) + ": 1.3 is needed"};
   }
-  if (validation && !HasLayer(kValidationLayer)) {
+  if (listening && !HasLayer(kValidationLayer)) {
     return Error{"Vulkan validation was asked for, but the validation layer is not installed "
                  "(Debian and Ubuntu: vulkan-validationlayers)"};
   }
 
   const bool debugUtils = HasExtension(nullptr, VK_EXT_DEBUG_UTILS_EXTENSION_NAME);
-  // Synchronization validation knows whole buffers only: it calls the material kernels, which run side by side on
-  // disjoint paths of one buffer, a hazard. So it is asked for by name, to look at one place at a time.
-  const char* wanted = std::getenv("HDWAVEFRONT_VALIDATION");
-  const bool synchronization = wanted != nullptr && std::strcmp(wanted, "sync") == 0;
-  const bool validationFeatures = validation && synchronization && HasExtension(kValidationLayer, VK_EXT_VALIDATION_FEATURES_EXTENSION_NAME);
+  const bool validationFeatures = validation == Validation::Synchronization;
+  if (validationFeatures && !HasExtension(kValidationLayer, VK_EXT_VALIDATION_FEATURES_EXTENSION_NAME)) {
+    return Error{"synchronization validation was asked for, but the validation layer has no VK_EXT_validation_features"};
+  }
   std::vector<const char*> extensions;
   if (debugUtils) extensions.push_back(VK_EXT_DEBUG_UTILS_EXTENSION_NAME);
   if (validationFeatures) extensions.push_back(VK_EXT_VALIDATION_FEATURES_EXTENSION_NAME);
@@ -111,7 +111,7 @@ Result<std::shared_ptr<Instance>> CreateInstance(bool validation) {
   auto info = Struct<VkInstanceCreateInfo>(VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO);
   info.pNext = validationFeatures ? &features : nullptr;
   info.pApplicationInfo = &application;
-  info.enabledLayerCount = validation ? 1 : 0;
+  info.enabledLayerCount = listening ? 1 : 0;
   info.ppEnabledLayerNames = &kValidationLayer;
   info.enabledExtensionCount = static_cast<uint32_t>(extensions.size());
   info.ppEnabledExtensionNames = extensions.data();
@@ -134,12 +134,12 @@ Result<std::shared_ptr<Instance>> CreateInstance(bool validation) {
     instance->beginLabel = Load<PFN_vkCmdBeginDebugUtilsLabelEXT>(instance->handle, "vkCmdBeginDebugUtilsLabelEXT");
     instance->endLabel = Load<PFN_vkCmdEndDebugUtilsLabelEXT>(instance->handle, "vkCmdEndDebugUtilsLabelEXT");
     auto create = Load<PFN_vkCreateDebugUtilsMessengerEXT>(instance->handle, "vkCreateDebugUtilsMessengerEXT");
-    if (validation && create != nullptr) {
+    if (listening && create != nullptr) {
       const VkResult result = create(instance->handle, &messenger, nullptr, &instance->messenger);
       if (result != VK_SUCCESS) return VulkanError("vkCreateDebugUtilsMessengerEXT", result);
     }
   }
-  if (validation && instance->messenger == VK_NULL_HANDLE) {
+  if (listening && instance->messenger == VK_NULL_HANDLE) {
     return Error{"Vulkan validation was asked for, but its messages cannot be received (no VK_EXT_debug_utils)"};
   }
   return instance;
@@ -152,18 +152,19 @@ Instance::~Instance() {
   if (handle != VK_NULL_HANDLE) vkDestroyInstance(handle, nullptr);
 }
 
-Result<std::shared_ptr<Instance>> Instance::Acquire(bool validation) {
+Result<std::shared_ptr<Instance>> Instance::Acquire(Validation validation) {
   static std::mutex mutex;
-  static std::weak_ptr<Instance> living[2];
+  static std::weak_ptr<Instance> living[3];
+  const auto level = static_cast<std::size_t>(validation);
   std::scoped_lock lock(mutex);
-  if (auto instance = living[validation].lock()) return instance;
+  if (auto instance = living[level].lock()) return instance;
   static const VkResult initialized = volkInitialize();
   if (initialized != VK_SUCCESS) {
     return Error{"there is no Vulkan loader on this machine (libvulkan.so.1; Debian and Ubuntu: libvulkan1, and "
                  "mesa-vulkan-drivers for a device)"};
   }
   auto created = CreateInstance(validation);
-  if (created) living[validation] = *created;
+  if (created) living[level] = *created;
   return created;
 }
 

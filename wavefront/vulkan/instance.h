@@ -5,15 +5,18 @@
 
 #include <volk.h>
 
+#include <cstdint>
 #include <memory>
 
 #include "wavefront/base/result.h"
 
 namespace wavefront::vulkan {
 
+enum class Validation : uint8_t { Off, On, Synchronization };
+
 struct Instance {
   VkInstance handle = VK_NULL_HANDLE;
-  bool validation = false;
+  Validation validation = Validation::Off;
   VkDebugUtilsMessengerEXT messenger = VK_NULL_HANDLE;
   // Not core, so loaded per instance; null where VK_EXT_debug_utils is absent.
   PFN_vkDestroyDebugUtilsMessengerEXT destroyMessenger = nullptr;
@@ -27,7 +30,7 @@ struct Instance {
   Instance& operator=(const Instance&) = delete;
 
   // The living instance with this setting, or a new one. Thread-safe.
-  static Result<std::shared_ptr<Instance>> Acquire(bool validation);
+  static Result<std::shared_ptr<Instance>> Acquire(Validation validation);
 };
 
 }  // namespace wavefront::vulkan

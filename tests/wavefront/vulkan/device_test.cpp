@@ -91,7 +91,7 @@ TEST(DeviceDeathTest, ValidationIsHeard) {
   EXPECT_EXIT(
       {
         DeviceOptions options;
-        options.validation = true;
+        options.synchronizationValidation = true;
         auto device = Must(Device::Create(options));
         auto buffer = Must(Buffer::Create(*device, {64, MemoryKind::Other, MemoryLocation::DeviceLocal, "victim"}));
         auto stream = Must(CommandStream::Create(*device));
@@ -112,7 +112,7 @@ TEST(Device, TwentyRecreationsLeaveNothing) {
     void main() { value = uint(texture(image, vec2(0.5)).x); })");
   for (uint32_t i = 0; i < 20; ++i) {
     DeviceOptions options;
-    options.validation = true;
+    options.synchronizationValidation = true;
     options.forceStaging = i % 2 == 1;
     auto device = Must(Device::Create(options));
     {
@@ -150,7 +150,7 @@ TEST(Device, TwentyRecreationsLeaveNothing) {
 TEST(Device, ObjectsMayOutliveTheirDevice) {
   const uint64_t messages = ValidationMessageCount();
   DeviceOptions options;
-  options.validation = true;
+  options.synchronizationValidation = true;
   auto device = Must(Device::Create(options));
   auto buffer = Must(Buffer::Create(*device, {64, MemoryKind::Other, MemoryLocation::DeviceLocal, "late"}));
   auto stream = Must(CommandStream::Create(*device));
@@ -170,7 +170,7 @@ TEST(Device, ThePipelineCacheSurvivesARoundTripAndForeignData) {
   const uint64_t messages = ValidationMessageCount();
   std::vector<std::byte> data;
   DeviceOptions options;
-  options.validation = true;
+  options.synchronizationValidation = true;
   data = Must(Must(Device::Create(options))->PipelineCacheData());
   options.pipelineCache = data;
   EXPECT_TRUE(Device::Create(options).ok());

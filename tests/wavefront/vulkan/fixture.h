@@ -15,7 +15,12 @@
 #include "wavefront/vulkan/command_stream.h"
 #include "wavefront/vulkan/descriptors.h"
 #include "wavefront/vulkan/device.h"
+#include "wavefront/vulkan/image.h"
 #include "wavefront/vulkan/pipeline.h"
+
+#ifdef VULKAN_CORE_H_
+#error "a public header of wavefront/vulkan includes vulkan.h"
+#endif
 
 namespace wavefront::vulkan {
 
@@ -46,7 +51,7 @@ class VulkanTest : public testing::TestWithParam<bool> {
   void SetUp() override {
     messages_ = ValidationMessageCount();
     DeviceOptions options;
-    options.validation = true;
+    options.synchronizationValidation = true;
     options.forceStaging = Staging();
     device_ = Must(Device::Create(options));
   }

@@ -99,7 +99,7 @@ TEST_F(VulkanTest, TexelViewsAreCheckedAndKept) {
 TEST(Memory, TheBudgetRefusesAndSaysWhoHoldsWhat) {
   const uint64_t messages = ValidationMessageCount();
   DeviceOptions options;
-  options.validation = true;
+  options.synchronizationValidation = true;
   options.memoryBudgetBytes = 10 << 20;
   auto device = Must(Device::Create(options));
   EXPECT_EQ(device->memoryBudget(), 10u << 20);
