@@ -300,12 +300,13 @@ bool NodeEvaluator::EvaluateImage(Port* result) {
   const auto wrap = [&](std::string_view input, const char* usd) {
     std::string mode = "periodic";
     InText(input, &mode);
-    // USD's default is the file's own mode, and black where the file says nothing; ours never say.
+    // USD's default is "useMetadata": what the file says. Image files in use say nothing, USD's text leaves that case
+    // open, and assets rely on what MaterialX's definition of the node and production renderers do: repeat.
     if (isUsd && !b_.current_->parameters.count(usd)) mode = "useMetadata";
     if (mode == "clamp") return "1u";
     if (mode == "mirror") return "2u";
     isConstant = isConstant || mode == "constant";
-    return mode == "black" || mode == "useMetadata" || mode == "constant" ? "3u" : "0u";
+    return mode == "black" || mode == "constant" ? "3u" : "0u";
   };
   const std::string modes = std::string(wrap("uaddressmode", "wrapS")) + ", " + wrap("vaddressmode", "wrapT");
   Id footprint = Footprint(uv);
