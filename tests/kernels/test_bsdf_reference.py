@@ -94,6 +94,77 @@ def test_coat_over_white_neither_gains_nor_loses(kernel_runner, ior, alpha):
     np.testing.assert_allclose(reflected + through, 1, atol=0.015)
 
 
+def test_diffuse_lobes_point_by_point(kernel_runner):
+    """Oren-Nayar and Burley against MaterialX's formulas, written out."""
+    rng = np.random.default_rng(11)
+    count = 2000
+    wo, wi = (v / np.linalg.norm(v, axis=1, keepdims=True) for v in rng.normal(size=(2, count, 3)))
+    wo[:, 2], wi[:, 2] = np.abs(wo[:, 2]), np.abs(wi[:, 2])
+    roughness = rng.random(count)
+    params = np.zeros((count, 16), np.float32)
+    params[:, :3], params[:, 3] = 0.8, roughness
+    cos_o, cos_i, dot = wo[:, 2], wi[:, 2], (wo * wi).sum(1)
+
+    s = dot - cos_o * cos_i
+    t = np.where(s > 0, s / np.maximum(cos_o, cos_i), 0)
+    sigma2 = roughness**2
+    oren_nayar = 1 - 0.5 * sigma2 / (sigma2 + 0.33) + 0.45 * sigma2 / (sigma2 + 0.09) * t
+
+    half = wo + wi
+    half /= np.linalg.norm(half, axis=1, keepdims=True)
+    f90 = 0.5 + 2 * roughness * (wi * half).sum(1) ** 2
+    burley = (1 + (f90 - 1) * (1 - cos_i) ** 5) * (1 + (f90 - 1) * (1 - cos_o) ** 5)
+
+    for name, expected in (("orenNayar", oren_nayar), ("burley", burley)):
+        value = Device(kernel_runner, LOBES[name]).evaluate(params, wo, np.arange(count), wi)
+        np.testing.assert_allclose(value[:, 0], 0.8 * expected * cos_i / np.pi, rtol=1e-4, atol=1e-6)
+        np.testing.assert_allclose(value[:, 3], cos_i / np.pi, rtol=1e-5, atol=1e-7)
+
+
+FRESNEL = """
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "lib/bsdf/fresnel.glsl"
+layout(local_size_x = 64) in;
+layout(binding = 0, std430) buffer In { vec4 values[]; };
+layout(binding = 1, std430) buffer Out { vec4 result[]; };
+void main() {
+  uint i = gl_GlobalInvocationID.x;
+  vec4 v = values[i];  // cosine, eta or n, k, exponent
+  SchlickFresnel s = schlickFresnelMake(vec3(0.3), vec3(0.6), vec3(0.9), v.w);
+  result[i] = vec4(fresnelDielectric(v.x, v.y), fresnelConductor(v.x, vec3(v.y), vec3(v.z)).x,
+                   fresnelSchlick(v.x, s).x, 0.0);
+}
+"""
+
+
+def test_fresnel_terms(kernel_runner):
+    """Against the complex Fresnel equations, and MaterialX's generalised Schlick."""
+    rng = np.random.default_rng(5)
+    count = 4096
+    cos, eta, k, exponent = (
+        rng.random(count),
+        rng.uniform(0.4, 3, count),
+        rng.uniform(0, 6, count),
+        5 * rng.random(count),
+    )
+    cos[:2] = 1.0, 1 / 7
+    values = np.stack([cos, eta, k, exponent + 0.5], -1).astype(np.float32)
+    out = kernel_runner.run(FRESNEL, {0: values, 1: np.zeros_like(values)}, (count // 64,))[1]
+
+    def fresnel(n: np.ndarray) -> np.ndarray:
+        t = np.sqrt(n**2 - (1 - cos**2) + 0j)
+        return (np.abs((cos - t) / (cos + t)) ** 2 + np.abs((n**2 * cos - t) / (n**2 * cos + t)) ** 2) / 2
+
+    np.testing.assert_allclose(out[:, 0], fresnel(eta + 0j), atol=2e-4)
+    np.testing.assert_allclose(out[:, 1], fresnel(eta + 1j * k), atol=2e-4)
+    e = exponent + 0.5
+    c = 1 / 7
+    plain = 0.3 + 0.6 * (1 - cos) ** e
+    dip = (0.3 + 0.6 * (1 - c) ** e) * (1 - 0.6) * cos * (1 - cos) ** 6 / (c * (1 - c) ** 6)
+    np.testing.assert_allclose(out[:, 2], np.clip(plain - dip, 0, 1), atol=1e-4)
+
+
 GLASS_BODY = """
 #version 460
 #extension GL_GOOGLE_include_directive : require

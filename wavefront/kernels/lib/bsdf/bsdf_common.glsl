@@ -3,16 +3,18 @@
 //
 // What every lobe shares. A lobe `foo` (a row of wavefront/shared/bsdfs.def) is a struct FooLobe and
 //
-//   FooLobe fooMake(...)                         MaterialX inputs in document order; clamps, never fails, NaN -> a legal value
-//   vec4 fooEval(FooLobe l, vec3 wo, vec3 wi)    rgb = f |cos wi|, a = solid-angle pdf of fooSample(wo) at wi; 0 where invalid
-//   vec3 fooSample(FooLobe l, vec3 wo, vec3 u)   unit wi for u in [0,1)^3, or vec3(0): the sample is lost (its mass is not in the pdf)
-//   vec3 fooAlbedo(FooLobe l, vec3 wo)           directional albedo, the integral of eval.rgb over wi; for the choice of a lobe
-//   vec3 fooThroughput(FooLobe l, vec3 wo)       what MaterialX's `layer` lets through to the base at weight 1;
-//                                                at weight w it is 1 - w * (1 - fooThroughput)
+//   FooLobe fooMake(...)                        MaterialX inputs in document order; clamps, NaN becomes a legal value
+//   vec4 fooEval(FooLobe l, vec3 wo, vec3 wi)   rgb = f |cos wi|, a = solid-angle pdf of fooSample(wo) at wi; 0 where
+//                                               invalid
+//   vec3 fooSample(FooLobe l, vec3 wo, vec3 u)  unit wi for u in [0,1)^3; vec3(0): the sample is lost, and its mass is
+//                                               not in the pdf
+//   vec3 fooAlbedo(FooLobe l, vec3 wo)          directional albedo, the integral of eval.rgb over wi: to choose a lobe
+//   vec3 fooThroughput(FooLobe l, vec3 wo)      what MaterialX's `layer` lets through to the base at weight 1;
+//                                               at weight w it is 1 - w * (1 - fooThroughput)
 //
 // Space: the lobe's frame, z = shading normal, x = tangent. wo points to the viewer, wi to the light, both unit
 // and away from the surface. Reflection lobes act on both sides (wo.z < 0 mirrors the frame), as MaterialX's do.
-// Transmissive lobes: `ior` is inside / outside with the outside at +z, so the sign of wo.z says which way a ray passes.
+// Transmissive lobes: `ior` is inside / outside, the outside at +z; the sign of wo.z says which way a ray passes.
 // Radiance convention: paths carry L / n^2 ("basic radiance"), so refraction is NOT scaled by 1/eta^2: no lobe's
 // albedo passes 1, Russian roulette sees no false gain, and a body that light enters and leaves again (sphere,
 // slab) equals the scaled convention exactly. Only an emitter or a camera inside a medium of index n differs, by n^2.

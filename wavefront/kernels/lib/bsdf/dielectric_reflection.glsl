@@ -52,7 +52,10 @@ float dielectricReflectionUntinted(DielectricReflectionLobe l, vec3 wo)
     return ggxCompensatedAlbedo(mean, ggxAlbedo(cosO, ggxMeanAlpha(l.alpha)), f);
 }
 
-vec3 dielectricReflectionAlbedo(DielectricReflectionLobe l, vec3 wo) { return l.tint * dielectricReflectionUntinted(l, wo); }
+vec3 dielectricReflectionAlbedo(DielectricReflectionLobe l, vec3 wo)
+{
+    return l.tint * dielectricReflectionUntinted(l, wo);
+}
 
 vec3 dielectricReflectionThroughput(DielectricReflectionLobe l, vec3 wo)
 {

@@ -13,7 +13,8 @@ struct GeneralizedSchlickRtLobe {
     float ior;
 };
 
-GeneralizedSchlickRtLobe generalizedSchlickRtMake(vec3 color0, vec3 color82, vec3 color90, float exponent, vec2 roughness)
+GeneralizedSchlickRtLobe generalizedSchlickRtMake(vec3 color0, vec3 color82, vec3 color90, float exponent,
+                                                  vec2 roughness)
 {
     SchlickFresnel s = schlickFresnelMake(color0, color82, color90, exponent);
     return GeneralizedSchlickRtLobe(s, ggxAlpha(roughness), schlickIndex(s));

@@ -21,8 +21,9 @@ float ggxAlbedo(float cosO, float a)
 }
 
 // Two cosines at the micro normal, and their shares (which sum to 1), that stand for the distribution of reflected
-// light: the albedo for any Fresnel curve F without a jump is albedo * dot(share, F(cosine)), within 0.012 for cosO above
-// 0.05 and 0.018 below, RMS 0.003 (dielectrics of index 1.05 to 3, Schlick). A critical angle is a jump: see below.
+// light: the albedo for any Fresnel curve F without a jump is albedo * dot(share, F(cosine)), within 0.012 for cosO
+// above 0.05 and 0.018 below, RMS 0.003 (dielectrics of index 1.05 to 3, Schlick). A critical angle is a jump, for
+// which there is another fit below.
 struct GgxMean {
     float albedo; // for F = 1
     vec2 cosine;
@@ -50,9 +51,9 @@ float ggxCompensate(float f, float albedo) { return f * (1.0 + f * ((1.0 - albed
 vec3 ggxCompensate(vec3 f, float albedo) { return f * (1.0 + f * ((1.0 - albedo) / albedo)); }
 
 // The isotropic roughness that stands for an anisotropic one. For the energy compensation it is MaterialX's average,
-// which knows no direction: it gives back too little (up to 20 % of the light is lost at alpha 0.8, 0.3) and hardly ever
-// too much (2.5 %). For a Fresnel-weighted albedo it is what the view sees: the roughness along its azimuth at grazing
-// wo, the root mean square at the normal (dielectric of index 1.5: error below 0.02; a conductor's up to 0.25).
+// which knows no direction: it gives back too little (up to 20 % of the light is lost at alpha 0.8, 0.3) and hardly
+// ever too much (2.5 %). For a Fresnel-weighted albedo it is what the view sees: the roughness along its azimuth at
+// grazing wo, the root mean square at the normal (dielectric of index 1.5: error below 0.02; a conductor's up to 0.25).
 float ggxMeanAlpha(vec2 alpha) { return sqrt(alpha.x * alpha.y); }
 float ggxViewAlpha(vec3 wo, vec2 alpha)
 {
@@ -84,15 +85,20 @@ float ggxRefractedShare(float cosO, float a, float eta)
 }
 
 // Albedo of refraction into the thinner medium, eta < 1: a Fresnel curve whose critical angle is smeared by roughness.
-// RMS error 0.04, up to 0.3 beside the critical angle. (What passes before masking, what masking lets pass of it.)
+// RMS error 0.03, up to 0.22 beside the critical angle. (What passes before masking, what masking lets pass of it.)
 vec2 ggxInnerTransmission(float cosO, float a, float eta)
 {
     float t = cosO / (cosO + a);
     float coneShare = min(9.0 * eta * eta, 1.0); // the fit ends at index 3; beyond, the cone of transmission closes
     eta = max(eta, 1.0 / 3.0);
-    float c = clamp(cosO + a * (0.702251 + a * -0.413282 + t * (-0.720269 + a * -0.25674)), 1e-3, 1.0);
-    float smear = abs(a * (-0.00298682 + a * 0.00342671 + t * (-0.00975967 + a * 0.365907))) + 1e-6;
-    float loss = 4.03225 + a * -2.92781 + t * (-1.14151 + a * 1.43466) + eta * (-2.48027 + a * 2.02957 + t * (-0.889671 + a * -0.690783));
+    float shift = 1.06905 + a * -0.0236079 + t * (-0.995666 + a * -0.698873) +
+        eta * (-0.23554 + a * -0.580285 + t * (0.014228 + a * 0.162582));
+    float smear = -0.00367215 + a * 0.00925685 + t * (0.0140421 + a * 0.174801) +
+        eta * (0.0157705 + a * -0.0225605 + t * (-0.0342046 + a * -0.761954));
+    float loss = 2.00282 + a * -1.28454 + t * (0.656984 + a * 0.584102) +
+        eta * (-0.0171825 + a * 0.0444184 + t * (-3.18629 + a * 0.416584));
+    float c = clamp(cosO + a * shift, 1e-3, 1.0);
+    smear = abs(a * smear) + 1e-6;
     float eta2 = eta * eta;
     float g2 = eta2 - 1.0 + c * c;
     float g = sqrt(0.5 * (g2 + sqrt(g2 * g2 + smear * smear)));

@@ -15,7 +15,10 @@
 // There are no delta lobes: a mirror is a lobe of this width (0.06 degrees), far below a pixel.
 const float kMinAlpha = 1e-3;
 
-vec2 ggxAlpha(vec2 roughness) { return vec2(bsdfClamp(roughness.x, kMinAlpha, 1.0), bsdfClamp(roughness.y, kMinAlpha, 1.0)); }
+vec2 ggxAlpha(vec2 roughness)
+{
+    return vec2(bsdfClamp(roughness.x, kMinAlpha, 1.0), bsdfClamp(roughness.y, kMinAlpha, 1.0));
+}
 
 float ggxStretch(vec3 w, vec2 alpha) { vec2 t = alpha * w.xy; return sqrt(w.z * w.z + dot(t, t)); }
 

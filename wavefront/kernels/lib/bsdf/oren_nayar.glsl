@@ -16,7 +16,9 @@ struct OrenNayarLobe {
 OrenNayarLobe orenNayarMake(vec3 color, float roughness)
 {
     float sigma2 = bsdfSquare(bsdfClamp(roughness, 0.0, 1.0));
-    return OrenNayarLobe(bsdfClamp(color, 0.0, 1.0), 1.0 - 0.5 * sigma2 / (sigma2 + 0.33), 0.45 * sigma2 / (sigma2 + 0.09));
+    float a = 1.0 - 0.5 * sigma2 / (sigma2 + 0.33);
+    float b = 0.45 * sigma2 / (sigma2 + 0.09);
+    return OrenNayarLobe(bsdfClamp(color, 0.0, 1.0), a, b);
 }
 
 vec4 orenNayarEval(OrenNayarLobe l, vec3 wo, vec3 wi)
