@@ -315,8 +315,8 @@ Id Builder::TextureCoordinates(std::string_view part, const std::string& primvar
 Port Builder::Fit(Port port, const PortDefinition& definition, const materialgen::Node* node) {
   const Type want = definition.type;
   if (port.isUnknown) {
-    if (want == Type::Vec3) return {want, e_.Color(1, 0, 1)};
-    if (want == Type::Vec4) return {want, e_.Literal(want, {1, 0, 1, 1})};
+    if (definition.isColor && want == Type::Vec3) return {want, e_.Color(1, 0, 1)};
+    if (definition.isColor && want == Type::Vec4) return {want, e_.Literal(want, {1, 0, 1, 1})};
     return DefaultInput(nullptr, definition);
   }
   if (port.type == want) {

@@ -136,8 +136,13 @@ class Emitter {
         sample += "  " + call;
       } else {
         // The number that chose the lobe is stretched and used again: its low bits are as good.
-        sample += "  if (uLobe < c.p" + n + ") {\n    uLobe /= c.p" + n + ";\n    " + call + "  }\n";
-        sample += "  uLobe -= c.p" + n + ";\n";
+        // The last one takes what rounding leaves; with no lobe alive its pdf is 0 and the path ends.
+        const std::string stretch = "uLobe = min(uLobe / max(c.p" + n + ", 1e-9), 0.9999999);\n";
+        if (i + 1 == count) {
+          sample += "  " + stretch + "  " + call;
+        } else {
+          sample += "  if (uLobe < c.p" + n + ") {\n    " + stretch + "    " + call + "  }\n  uLobe -= c.p" + n + ";\n";
+        }
       }
     }
     std::string normalise;
@@ -170,7 +175,7 @@ class Emitter {
     text += "vec4 closureEval(Closure c, vec3 wo, vec3 wi) {\n" + eval + "  return " +
             (count ? "vec4(" + rgb + ", " + pdf + ")" : "vec4(0.0)") + ";\n}\n";
     text += "vec3 closureSample(Closure c, vec3 wo, float uLobe, vec2 u) {\n" + sample +
-            (count == 1 ? "}\n" : "  return vec3(0.0);\n}\n");
+            (count ? "}\n" : "  return vec3(0.0);\n}\n");
     text += "vec3 closureAlbedo(Closure c, vec3 wo) { return c.albedo; }\n";
     return text + "#include \"material/surface_tail.glsl\"\n";
   }

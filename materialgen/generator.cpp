@@ -43,7 +43,7 @@ class GeneratorImpl final : public Generator {
     return result;
   }
 
-  CompiledMaterial GenerateDefault() override {
+  CompiledMaterial GenerateDefault(bool isOpaque) override {
     MaterialNetwork network;
     network.path = "(default material)";
     network.surfaceNode = "surface";
@@ -54,10 +54,8 @@ class GeneratorImpl final : public Generator {
         {"color", "UsdPrimvarReader_float3", {{"varname", std::string("displayColor")}, {"fallback", gray}}},
         {"opacity", "UsdPrimvarReader_float", {{"varname", std::string("displayOpacity")}, {"fallback", 1.0f}}},
     };
-    network.connections = {
-        {"color", "result", "surface", "diffuseColor"},
-        {"opacity", "result", "surface", "opacity"},
-    };
+    network.connections = {{"color", "result", "surface", "diffuseColor"}};
+    if (!isOpaque) network.connections.push_back({"opacity", "result", "surface", "opacity"});
     return Generate(network, [](const Message&) {});
   }
 

@@ -74,13 +74,17 @@ void Library::Impl::Add(const mx::NodeDefPtr& source) {
     PortDefinition port;
     port.name = input->getName();
     port.type = TypeFromMaterialX(input->getType());
+    port.isColor = input->getType().rfind("color", 0) == 0;
     port.value = input->getValueString();
     port.geomprop = input->getDefaultGeomPropString();
     definition->inputs.push_back(std::move(port));
   }
   // The order in which a library function takes its outputs.
   for (const mx::OutputPtr& output : source->getActiveOutputs()) {
-    definition->outputs.push_back({output->getName(), TypeFromMaterialX(output->getType()), {}, {}});
+    PortDefinition port;
+    port.name = output->getName();
+    port.type = TypeFromMaterialX(output->getType());
+    definition->outputs.push_back(std::move(port));
   }
   const mx::InterfaceElementPtr implementation = source->getImplementation(kTarget);
   if (implementation && implementation->isA<mx::NodeGraph>()) {

@@ -23,6 +23,7 @@ struct PortDefinition {
   std::string name;
   Type type = Type::None;
   std::string value;     // default as text; empty: none
+  bool isColor = false;
   std::string geomprop;  // "Nworld", "UV0", ...: what an unconnected input without a value reads
 };
 

@@ -24,7 +24,9 @@ struct Message {
 };
 using MessageSink = std::function<void(const Message&)>;
 
-// Where one value of the parameter block comes from.
+// Where one value of the parameter block comes from. Values that are computed from several inputs (an index of
+// refraction and a colour making a reflectance, say) have no slot: for an edit, call Generate again (under a
+// millisecond) and compare the kernels.
 struct ParameterSlot {
   std::string node;       // node path in the network that was handed in (empty: a node inside a MaterialX graph)
   std::string input;
@@ -75,8 +77,9 @@ class Generator {
   // fed by an unknown node; the whole material where the terminal itself is unknown).
   virtual CompiledMaterial Generate(const MaterialNetwork& network, const MessageSink& sink) = 0;
 
-  // The material for prims that have none: MaterialX/USD preview grey using primvar displayColor and displayOpacity.
-  virtual CompiledMaterial GenerateDefault() = 0;
+  // The material for prims that have none: MaterialX/USD preview grey using primvar displayColor and, unless
+  // `isOpaque`, displayOpacity (a kernel with opacity costs every shadow ray a stop).
+  virtual CompiledMaterial GenerateDefault(bool isOpaque = false) = 0;
 };
 
 // GLSL (with includes into wavefront/) to SPIR-V for Vulkan 1.3. Thread-safe. Empty with the log in `error` on failure:

@@ -31,6 +31,9 @@ constexpr ArithmeticRow kArithmetic[] = {
 
 constexpr std::string_view kComponentNames = "xyzw";
 
+// A number as an index from 0 to `last`; whatever the number is.
+int IndexOf(float number, int last) { return number >= 1 ? (number < float(last) ? int(number) : last) : 0; }
+
 }  // namespace
 
 Id NodeEvaluator::In(std::string_view name, Type type) {
@@ -143,7 +146,7 @@ bool NodeEvaluator::EvaluateChannels(Port* result) {
     const Id in = In("in"), index = In("index");
     if (in == kNone || index == kNone || !IsVector(e_[in].type) || !e_.IsLiteral(index)) return false;
     const int last = Components(e_[in].type) - 1;
-    const int at = std::clamp(int(e_.Scalar(index)), 0, last);
+    const int at = IndexOf(e_.Scalar(index), last);
     return Number(result, e_.Make("swizzle", Type::Float, {in}, std::string(1, kComponentNames[size_t(at)])));
   }
   return false;
@@ -173,7 +176,7 @@ bool NodeEvaluator::EvaluateChoice(Port* result) {
     int count = 0;
     while (count < 10 && input(count) != kNone) ++count;
     if (count == 0) return false;
-    if (e_.IsUniform(which)) return Number(result, input(std::clamp(int(e_.Scalar(which)), 0, count - 1)));
+    if (e_.IsUniform(which)) return Number(result, input(IndexOf(e_.Scalar(which), count - 1)));
     Id chosen = input(count - 1);
     for (int i = count - 1; i-- > 0;) {
       const Id isBelow = e_.Make("greater", Type::Bool, {e_.Number(float(i + 1)), which});
@@ -211,7 +214,7 @@ bool NodeEvaluator::EvaluateGeometry(Port* result) {
   if (category == "time" || category == "frame") return Number(result, value("time", Type::Float));
   if (category == "texcoord") {
     const Id which = In("index");
-    const int set = which == kNone ? 0 : int(e_.Scalar(which));
+    const int set = which == kNone ? 0 : IndexOf(e_.Scalar(which), 99);
     const std::string name = set > 0 ? "st" + std::to_string(set) : "st";
     return Number(result, Primvar(name, Type::Vec2, e_.Literal(Type::Vec2, {})));
   }

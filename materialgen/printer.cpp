@@ -24,7 +24,7 @@ std::string NumberText(float value) {
 
 std::string LiteralText(Type type, const Constant& value) {
   if (type == Type::Bool) return value[0] != 0 ? "true" : "false";
-  if (type == Type::Int) return std::to_string(int(value[0]));
+  if (type == Type::Int) return std::to_string(int(std::clamp(value[0], -1e9f, 1e9f)));
   const int components = Components(type);
   if (components == 1) return NumberText(value[0]);
   bool isSame = components <= 4;

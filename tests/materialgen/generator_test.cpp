@@ -105,6 +105,10 @@ TEST(MaterialGen, DefaultMaterialReadsDisplayPrimvars) {
             (std::set<std::string>{"displayColor", "displayOpacity"}));
   EXPECT_FALSE(material.kernel->opacity.empty());
   EXPECT_TRUE(material.kernel->emission.empty());
+  const CompiledMaterial opaque = SharedGenerator().GenerateDefault(true);
+  ExpectCompiles(opaque, "opaque default");
+  EXPECT_EQ(opaque.kernel->primvars, std::vector<std::string>{"displayColor"});
+  EXPECT_TRUE(opaque.kernel->opacity.empty());
 }
 
 TEST(MaterialGen, PlainPreviewSurfaceIsDiffuseAndOneSpecular) {
