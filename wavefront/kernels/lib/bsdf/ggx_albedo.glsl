@@ -2,8 +2,8 @@
 // Copyright the hdWavefront authors
 //
 // Directional albedos of GGX lobes (height-correlated Smith, single scattering) as polynomials, so that no lobe reads
-// a table. Fitted to quadrature over cosO in [0.001, 1], alpha in [0.001, 1] by tools/fit_bsdf_albedo.py; the natural
-// coordinate is t = cosO / (cosO + alpha), because at small alpha everything depends on cosO / alpha alone.
+// a table. Fitted to quadrature over cosO in [0.001, 1], alpha in [0.001, 1] by resources/albedo/fit_bsdf_albedo.py;
+// the natural coordinate is t = cosO / (cosO + alpha): at small alpha everything depends on cosO / alpha alone.
 // Errors are given at each function, for isotropic alpha. An anisotropic lobe is taken as one of
 // ggxMeanAlpha or ggxViewAlpha.
 #ifndef WAVEFRONT_BSDF_GGX_ALBEDO_GLSL

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the hdWavefront authors
 //
-// Directional albedo of sheen_conty_kulla for white, a rational fit to quadrature (tools/fit_bsdf_albedo.py). Error
-// below 0.005 for roughness from 0.06, below 0.014 (relative where the albedo passes 1) down to 0.005.
+// Directional albedo of sheen_conty_kulla for white, a rational fit to quadrature
+// (resources/albedo/fit_bsdf_albedo.py). x = cosine of wo. Error below 0.005 for roughness from 0.06, below 0.014
+// (relative where the albedo passes 1) down to 0.005.
 #ifndef WAVEFRONT_BSDF_SHEEN_ALBEDO_GLSL
 #define WAVEFRONT_BSDF_SHEEN_ALBEDO_GLSL
 
