@@ -241,7 +241,7 @@ def main() -> None:
     for name, row in zip(("g0", "g1"), g.reshape(2, -1), strict=True):
         print(f"ggxRefractedShare {name}:", horner(row, 2, 2))
     for name, rows in zip(("shift", "smear", "loss"), fit_inner(data), strict=True):
-        print(f"ggxInnerTransmission {name}:", horner(rows[0], 1, 1), "+ eta *", horner(rows[1], 1, 1))
+        print(f"ggxInnerTransmission {name}:", horner(rows[0], 1, 1), f"+ eta * ({horner(rows[1], 1, 1)})")
     terms_p, p, terms_q, q = fit_sheen()
     for name, terms, values in (("p", terms_p, p), ("q - 1", terms_q, q)):
         print(f"sheen {name}, powers of (x, y):", {t: float(f"{v:.6g}") for t, v in zip(terms, values, strict=True)})
