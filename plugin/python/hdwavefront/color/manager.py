@@ -155,8 +155,8 @@ class ColorManager:
             processor = None
         if processor is None:
             return red, green, blue
-        converted = processor.applyRGB([red, green, blue])
-        return tuple(float(x) for x in converted)
+        red, green, blue = (float(x) for x in processor.applyRGB([red, green, blue]))
+        return red, green, blue
 
     # -- To a display
 

@@ -89,7 +89,8 @@ def write_linear(
     if extension(path) == ".hdr":
         _write(path, np.ascontiguousarray(layers["color"][..., :3], dtype=np.float32), ["R", "G", "B"], {}, "float")
         return
-    arrays, names = [], []
+    arrays: list[np.ndarray] = []
+    names: list[str] = []
     for token, array in layers.items():
         array = np.asarray(array)
         array = array.reshape(array.shape[0], array.shape[1], -1)
@@ -116,7 +117,7 @@ def write_display(path: str, rgba: np.ndarray, metadata: Mapping[str, Any]) -> N
     values = np.nan_to_num(rgba[..., :channels], nan=0.0, posinf=1.0, neginf=0.0)
     dtype = np.uint8 if bits == 8 else np.uint16
     quantised = (np.clip(values, 0.0, 1.0) * top + 0.5).astype(dtype)
-    attributes = {k: v for k, v in metadata.items() if isinstance(v, str)}
+    attributes: dict[str, Any] = {k: v for k, v in metadata.items() if isinstance(v, str)}
     attributes["oiio:UnassociatedAlpha"] = 1
     _write(path, quantised, ["R", "G", "B", "A"][:channels], attributes, "uint8" if bits == 8 else "uint16")
 

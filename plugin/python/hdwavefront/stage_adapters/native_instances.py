@@ -85,7 +85,8 @@ def emit_instances(translation: Translation, group: InstanceGroup) -> PrimContex
 
 def _split_primvars(translation: Translation, group: InstanceGroup) -> tuple[list[PrimvarUpdate], tuple[Any, ...]]:
     """Constants that differ between the instances become instance primvars; the rest is inherited as usual."""
-    shared, split = [], []
+    shared: list[Any] = []
+    split: list[PrimvarUpdate] = []
     by_name = [{str(p.GetPrimvarName()): p for p in primvars} for primvars in group.primvars]
     for primvar in group.context.primvars:
         name = str(primvar.GetPrimvarName())
@@ -94,8 +95,9 @@ def _split_primvars(translation: Translation, group: InstanceGroup) -> tuple[lis
         if all(p.GetAttr().GetPath() == first for p in mine):
             shared.append(primvar)
             continue
-        values = [_constant(p, translation.time) for p in mine]
-        if not is_shading_primvar(name) or any(v is None or v.shape != values[0].shape for v in values):
+        values = [v for v in (_constant(p, translation.time) for p in mine) if v is not None]
+        alike = len(values) == len(mine) and all(v.shape == values[0].shape for v in values)
+        if not is_shading_primvar(name) or not alike:
             shared.append(primvar)
             if is_shading_primvar(name) and primvar.GetTypeName().isArray:
                 translation.diagnostics.warning(

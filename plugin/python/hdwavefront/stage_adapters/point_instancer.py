@@ -32,7 +32,7 @@ def _instance_primvars(translation: Translation, prim: Usd.Prim) -> list[Primvar
 def _array(value: Any, dtype: type, columns: int) -> np.ndarray:
     if value is None or len(value) == 0:
         return np.empty((0, columns) if columns > 1 else (0,), dtype=dtype)
-    array = np.asarray(value, dtype=dtype)
+    array: np.ndarray = np.asarray(value, dtype=dtype)
     return array.reshape(-1, columns) if columns > 1 else array.reshape(-1)
 
 
