@@ -21,7 +21,50 @@ TextureStore::TextureStore(vulkan::Device& device)
     : records(device, "texture records", MemoryKind::Textures, 16 * layout::kTextureTexels),
       pageTable(device, "page table", MemoryKind::Textures, 4),
       pagesRgba8(device, "8-bit texture pages", MemoryKind::Textures, 4 * kPageTexels),
-      pagesRgba16f(device, "half texture pages", MemoryKind::Textures, 8 * kPageTexels) {}
+      pagesRgba16f(device, "half texture pages", MemoryKind::Textures, 8 * kPageTexels),
+      maxPages_(std::min<uint64_t>(device.info().limits.maxTexelBufferElements / kPageTexels,
+                                   device.memoryBudget() / 2 / (8 * kPageTexels))) {}
+
+namespace {
+// Pages of all levels, an upper bound: what Layout will ask for.
+uint64_t PagesOf(const TextureData& texture) {
+  uint64_t pages = 1;  // the mip tail
+  for (uint32_t w = texture.width, h = texture.height; std::max(w, h) > kTailSide; w = std::max(1u, w / 2), h = std::max(1u, h / 2)) {
+    pages += static_cast<uint64_t>(Pages(w)) * Pages(h);
+  }
+  return pages;
+}
+}  // namespace
+
+// A scene with more texels than the device can address renders with coarser ones: the largest textures are halved
+// until everything fits, and each is named. (Paths on hold while pages stream come with a later issue.)
+void TextureStore::ReduceToFit(const DiagnosticSink& sink) {
+  for (TexelFormat format : {TexelFormat::Rgba8Unorm, TexelFormat::Rgba16Float}) {
+    std::vector<std::pair<uint64_t, TextureId>> staged;  // pages, id
+    uint64_t pages = 0;
+    for (const auto& [id, r] : resident_) if (r.format == format) pages += r.pages.count;
+    for (const auto& [id, texture] : staged_) {
+      if (texture.format != format) continue;
+      staged.emplace_back(PagesOf(texture), id);
+      pages += staged.back().first;
+    }
+    while (pages > maxPages_ && !staged.empty()) {
+      auto largest = std::max_element(staged.begin(), staged.end());
+      TextureData& texture = staged_[largest->second];
+      if (std::max(texture.width, texture.height) <= kPageSide) break;
+      texture.texels = HalveLevel(texture.texels, texture.width, texture.height, format);
+      texture.width = std::max(1u, texture.width / 2);
+      texture.height = std::max(1u, texture.height / 2);
+      pages -= largest->first;
+      largest->first = PagesOf(texture);
+      pages += largest->first;
+      if (sink) {
+        sink({Severity::Warning, "texture-reduced", texture.name, "the textures together pass what this device can hold; this one is read at " +
+              std::to_string(texture.width) + " x " + std::to_string(texture.height)});
+      }
+    }
+  }
+}
 
 TextureId TextureStore::Create(TextureData texture) {
   std::lock_guard lock(mutex_);
@@ -83,8 +126,9 @@ Status TextureStore::Commit(const DiagnosticSink& sink, bool* changed) {
       texture.format = TexelFormat::Rgba8Unorm;
       texture.texels = {255, 0, 255, 255};
     }
-    resident_[id] = Layout(texture);
   }
+  ReduceToFit(sink);
+  for (auto& [id, texture] : staged_) resident_[id] = Layout(texture);
   // Texture ids are record indices.
   if (next_ > records.elements()) records.Allocate(next_ - records.elements());
   for (Stream* stream : {&records, &pageTable, &pagesRgba8, &pagesRgba16f}) {

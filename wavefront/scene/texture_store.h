@@ -46,7 +46,10 @@ class TextureStore {
   };
   Stream& Pool(TexelFormat format) { return format == TexelFormat::Rgba8Unorm ? pagesRgba8 : pagesRgba16f; }
   Resident Layout(const TextureData& texture);
+  void ReduceToFit(const DiagnosticSink& sink);
   Status Upload(TextureId id, TextureData& texture);
+
+  const uint64_t maxPages_;  // of a pool: what one texel-buffer view may hold, and half the memory budget
 
   std::mutex mutex_;
   std::map<TextureId, TextureData> staged_;
