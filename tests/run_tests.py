@@ -83,6 +83,9 @@ def main(arguments: list[str]) -> int:
     build = Path(os.environ["HDWAVEFRONT_BUILD_DIR"]).resolve()
     env = dict(os.environ)
     env.setdefault("HDWAVEFRONT_VALIDATION", "1")
+    assets = ROOT.parent / "shared" / "assets"  # third-party stages, where they stand beside the checkout
+    if assets.is_dir():
+        env.setdefault("HDWAVEFRONT_ASSETS", str(assets))
     env["PYTHONPATH"] = os.pathsep.join(p for p in (str(build / "python"), env.get("PYTHONPATH", "")) if p)
     started = time.monotonic()
     tally = Tally()
