@@ -113,12 +113,12 @@ def report(stage: Path, stats: dict[str, Any]) -> None:
     )
     kernels = sorted(stats["kernels"], key=lambda kernel: -kernel["milliseconds"])
     total = sum(kernel["milliseconds"] for kernel in kernels) or 1.0
-    print(f"  {'kernel':40} {'ms':>10} {'share':>6} {'items':>12} {'ns/item':>8} {'compile ms':>10}")
+    print(f"  {'kernel':60} {'ms':>10} {'share':>6} {'items':>12} {'ns/item':>8} {'compile ms':>10}")
     for kernel in kernels:
         each = f"{kernel['milliseconds'] * 1e6 / kernel['items']:8.0f}" if kernel["items"] else " " * 8
         compiled = kernel["createMilliseconds"] + kernel["firstDispatchMilliseconds"]
         print(
-            f"  {kernel['name'][:40]:40} {kernel['milliseconds']:10.1f} {kernel['milliseconds'] / total:6.1%} "
+            f"  {kernel['name'][:60]:60} {kernel['milliseconds']:10.1f} {kernel['milliseconds'] / total:6.1%} "
             f"{kernel['items']:12} {each} {compiled:10.0f}"
         )
 
