@@ -1,0 +1,249 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright the hdWavefront authors
+"""lib/textures.glsl against a reader of plain arrays, over the pages that scene/texture_store.cpp really lays out."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from core_harness import bits, call
+
+REPEAT, CLAMP, MIRROR, BLACK = range(4)
+MAIN = """void main() {
+  uint i = gl_GlobalInvocationID.x;
+  if (i >= outputs.length()) return;
+  vec4 a = inputs[i * IN], outside = inputs[i * IN + 2u];
+  uvec4 b = floatBitsToUint(inputs[i * IN + 1u]);
+  outputs[i] = textureRead(b.x, a.xy, a.z, b.y, b.z, outside);
+}"""
+TABLES = ("textureRecords", "pageTable", "pagesRgba8", "pagesRgba16f")
+OUTSIDE = np.array([0.25, -2.0, 3.0, 0.5], np.float32)
+# Sizes at the borders of pages and of the mip tail, odd ones, flat ones.
+SIZES = [
+    (1, 1),
+    (2, 1),
+    (31, 31),
+    (32, 32),
+    (33, 33),
+    (63, 63),
+    (64, 64),
+    (65, 65),
+    (100, 37),
+    (257, 257),
+    (3, 130),
+    (300, 1),
+]
+
+
+def image(width: int, height: int, texel_format: str, seed: int = 0) -> np.ndarray:
+    """(height, width, 4), row 0 at the bottom, values that the format holds exactly."""
+    rng = np.random.default_rng(seed + width * 1000 + height)
+    if texel_format == "rgba8":
+        return rng.integers(0, 256, (height, width, 4)).astype(np.uint8)
+    return (rng.random((height, width, 4)) * 8 - 1).astype(np.float16)
+
+
+def as_float(texels: np.ndarray) -> np.ndarray:
+    return texels.astype(np.float64) / 255 if texels.dtype == np.uint8 else texels.astype(np.float64)
+
+
+def halve_axis(values: np.ndarray, axis: int) -> np.ndarray:
+    """Box filter: target texel k covers [k s, (k + 1) s) of the source, s = size / max(1, size // 2)."""
+    size = values.shape[axis]
+    target = max(1, size // 2)
+    edges = np.linspace(0, size, target + 1)
+    weights = np.zeros((target, size))
+    for k in range(target):
+        overlap = np.minimum(edges[k + 1], np.arange(size) + 1) - np.maximum(edges[k], np.arange(size))
+        weights[k] = np.maximum(overlap, 0) * target / size
+    return np.moveaxis(np.tensordot(weights, values, (1, axis)), 0, axis)
+
+
+def pyramid(texels: np.ndarray) -> list[np.ndarray]:
+    """All levels as floats: halved by C++, whose every step is compared with halve_axis in a test of its own."""
+    from _kernel_runner import halve_level
+
+    kind = "rgba8" if texels.dtype == np.uint8 else "rgba16f"
+    levels = [texels]
+    while levels[-1].shape[:2] != (1, 1):
+        h, w = levels[-1].shape[:2]
+        half = halve_level(levels[-1].tobytes(), w, h, kind)
+        levels.append(np.frombuffer(half, texels.dtype).reshape(max(1, h // 2), max(1, w // 2), 4))
+    return [as_float(level) for level in levels]
+
+
+def wrapped(i: np.ndarray, size: int, mode: int) -> tuple[np.ndarray, np.ndarray]:
+    """Index inside, and whether it is inside."""
+    if mode == REPEAT:
+        return np.mod(i, size), np.ones(i.shape, bool)
+    if mode == MIRROR:
+        m = np.mod(i, 2 * size)
+        return np.where(m < size, m, 2 * size - 1 - m), np.ones(i.shape, bool)
+    if mode == CLAMP:
+        return np.clip(i, 0, size - 1), np.ones(i.shape, bool)
+    return np.clip(i, 0, size - 1), (i >= 0) & (i < size)
+
+
+def bilinear(level: np.ndarray, uv: np.ndarray, wrap_u: int, wrap_v: int) -> np.ndarray:
+    height, width = level.shape[:2]
+    p = uv * np.array([width, height]) - 0.5
+    base = np.floor(p).astype(int)
+    f = p - base
+    total = np.zeros((len(uv), 4))
+    for dx in (0, 1):
+        for dy in (0, 1):
+            x, inside_x = wrapped(base[:, 0] + dx, width, wrap_u)
+            y, inside_y = wrapped(base[:, 1] + dy, height, wrap_v)
+            texel = np.where((inside_x & inside_y)[:, None], level[y, x], OUTSIDE.astype(float))
+            weight = (f[:, 0] if dx else 1 - f[:, 0]) * (f[:, 1] if dy else 1 - f[:, 1])
+            total += weight[:, None] * texel
+    return total
+
+
+def reference(levels: list[np.ndarray], uv, footprint, wrap_u: int, wrap_v: int) -> np.ndarray:
+    largest = max(levels[0].shape[:2])
+    lod = np.clip(np.log2(np.maximum(footprint * largest, 1e-8)), 0, len(levels) - 1)
+    low = np.floor(lod).astype(int)
+    blend = lod - low
+    out = np.zeros((len(uv), 4))
+    for k in range(len(levels)):
+        for at, weight in ((low == k, 1 - blend), (low + 1 == k, blend)):
+            if at.any():
+                out[at] += weight[at, None] * bilinear(levels[k], uv[at], wrap_u, wrap_v)
+    return out
+
+
+def read(runner, tables, texture: int, uv, footprint, wrap_u: int, wrap_v: int) -> np.ndarray:
+    inputs = np.zeros((len(uv), 12), np.float32)
+    inputs[:, :2] = uv
+    inputs[:, 2] = footprint
+    inputs[:, 4:7] = bits(np.array([texture, wrap_u, wrap_v], np.uint32))
+    inputs[:, 8:] = OUTSIDE
+    return call(runner, ["lib/textures.glsl"], MAIN, inputs, 1, {k: tables[k] for k in TABLES})
+
+
+@pytest.fixture(scope="module")
+def store(kernel_runner):
+    """One store with every size in both formats: pages of one texture follow those of others."""
+    from _kernel_runner import scene_tables
+
+    images = [(w, h, f, image(w, h, f)) for w, h in SIZES for f in ("rgba8", "rgba16f")]
+    tables = scene_tables([], [(w, h, f, t.tobytes()) for w, h, f, t in images], [], 1.0)
+    assert tables["diagnostics"] == []
+    return tables, images, [pyramid(t) for *_, t in images]
+
+
+def uvs(width: int, height: int, count: int, seed: int) -> np.ndarray:
+    """Random places in and around the unit square, and the centres and borders of texels at its corners.
+
+    Multiples of 1/4096 of a texel, so that float and double agree on the texel.
+    """
+    rng = np.random.default_rng(seed)
+    texels = rng.random((count, 2)) * np.array([width, height]) * 3 - np.array([width, height])
+    corner = [0.0, 0.5, 1.0, 31.5, 32.5, 63.5, 64.0, 64.5]
+    special = [
+        (a, b) for a in [*corner, *[width - c for c in corner]] for b in [*corner, *[height - c for c in corner]]
+    ]
+    at = np.round(np.concatenate([texels, np.array(special, float)]) * 4096) / 4096
+    return (at / np.array([width, height])).astype(np.float32)
+
+
+def names(store_images) -> list[str]:
+    return [f"{w}x{h}-{f}" for w, h, f, _ in store_images]
+
+
+@pytest.mark.parametrize(
+    "wrap", [(REPEAT, REPEAT), (CLAMP, CLAMP), (MIRROR, MIRROR), (BLACK, BLACK), (REPEAT, CLAMP), (BLACK, MIRROR)]
+)
+def test_bilinear_reads_and_wraps(kernel_runner, store, wrap):
+    tables, images, pyramids = store
+    for index, (w, h, f, _) in enumerate(images):
+        uv = uvs(w, h, 512, index)
+        got = read(kernel_runner, tables, index, uv, 0.0, *wrap)
+        # float32: a texel coordinate of up to 3 * size is off by 2^-24 of itself, times the largest slope (8 a texel).
+        want = reference(pyramids[index], uv.astype(np.float64), np.zeros(len(uv)), *wrap)
+        assert np.abs(got - want).max() < 1e-5 + 10 * 3 * max(w, h) * 2.0**-23, (w, h, f)
+
+
+def test_every_level_of_every_size_is_where_the_table_says(kernel_runner, store):
+    """Footprints of exactly one level: mip tail addressing, page borders of levels, three-tap halving of odd sizes."""
+    tables, images, pyramids = store
+    for index, (w, h, f, _) in enumerate(images):
+        for level, texels in enumerate(pyramids[index]):
+            lh, lw = texels.shape[:2]
+            y, x = np.mgrid[0:lh, 0:lw]
+            uv = np.stack([(x.ravel() + 0.5) / lw, (y.ravel() + 0.5) / lh], -1).astype(np.float32)
+            got = read(kernel_runner, tables, index, uv, 2.0**level / max(w, h), CLAMP, CLAMP)
+            assert np.abs(got - texels.reshape(-1, 4)).max() < 2e-4, (w, h, f, level)
+
+
+def test_halving_is_a_box_filter(kernel_runner):
+    from _kernel_runner import halve_level
+
+    for w, h in SIZES:
+        for f, step in (("rgba8", 1 / 255), ("rgba16f", 8 * 2.0**-11)):
+            texels = image(w, h, f, 77)
+            half = np.frombuffer(halve_level(texels.tobytes(), w, h, f), texels.dtype)
+            half = as_float(half.reshape(max(1, h // 2), max(1, w // 2), 4))
+            want = halve_axis(halve_axis(as_float(texels), 0), 1)
+            assert np.abs(half - want).max() < 0.5 * step + 1e-5, (w, h, f)
+
+
+def test_levels_blend(kernel_runner, store):
+    tables, images, pyramids = store
+    rng = np.random.default_rng(9)
+    for index, (w, h, f, _) in enumerate(images):
+        uv = (rng.random((256, 2)) * 2 - 0.5).astype(np.float32)
+        footprint = (2.0 ** (rng.random(256) * 12 - 10)).astype(np.float32)
+        got = read(kernel_runner, tables, index, uv, footprint, REPEAT, REPEAT)
+        want = reference(pyramids[index], uv.astype(float), footprint.astype(float), REPEAT, REPEAT)
+        # A footprint rounded by 2^-22 moves the blend by as much, times the largest step between levels.
+        assert np.abs(got - want).max() < 1e-4 + 10 * 2 * max(w, h) * 2.0**-23, (w, h, f)
+
+
+def test_the_smallest_level_is_the_mean(kernel_runner, store):
+    tables, images, _ = store
+    for index, (w, h, f, texels) in enumerate(images):
+        got = read(kernel_runner, tables, index, np.full((1, 2), 0.3), 4.0, REPEAT, REPEAT)[0]
+        mean = as_float(texels).mean((0, 1))
+        levels = int(np.log2(max(w, h))) + 1
+        assert np.abs(got - mean).max() < levels * (0.5 / 255 if f == "rgba8" else 4 * 2.0**-11) + 1e-4, (w, h, f)
+
+
+def test_halving_keeps_gradients_in_place(kernel_runner):
+    """A linear ramp of an odd width: each level's texel is the ramp's value at the texel's centre."""
+    from _kernel_runner import halve_level
+
+    width = 37
+    ramp = np.zeros((1, width, 4), np.float16)
+    ramp[0, :, :] = ((np.arange(width) + 0.5) / width)[:, None]
+    half = np.frombuffer(halve_level(ramp.tobytes(), width, 1, "rgba16f"), np.float16).reshape(1, width // 2, 4)
+    centres = (np.arange(width // 2) + 0.5) / (width // 2)
+    assert np.abs(half[0, :, 0] - centres).max() < 1e-3
+
+
+@pytest.mark.parametrize("bad", [np.nan, np.inf, -np.inf, 1e30, -1e30])
+def test_wild_coordinates_give_finite_texels(kernel_runner, store, bad):
+    tables, _, _ = store
+    for wrap in (REPEAT, CLAMP, MIRROR, BLACK):
+        uv = np.array([[bad, 0.5], [0.5, bad], [bad, bad]], np.float32)
+        got = read(kernel_runner, tables, 21, uv, 0.0, wrap, wrap)
+        assert np.isfinite(got).all()
+        assert (got >= -2.001).all() and (got <= 8.001).all()
+    got = read(kernel_runner, tables, 21, np.full((3, 2), 0.5), np.array([np.inf, -1.0, 0.0]), REPEAT, REPEAT)
+    assert np.isfinite(got).all()
+
+
+def test_a_missing_texture_reads_as_outside(kernel_runner, store):
+    got = read(kernel_runner, store[0], 0xFFFFFFFF, np.full((2, 2), 0.5), 0.0, CLAMP, CLAMP)
+    assert (got == OUTSIDE).all()
+
+
+@pytest.mark.parametrize("broken", [(0, 0, b""), (0, 5, b""), (4, 4, b"short")])
+def test_a_broken_image_is_magenta_with_a_diagnostic(kernel_runner, broken):
+    from _kernel_runner import scene_tables
+
+    tables = scene_tables([], [(broken[0], broken[1], "rgba8", broken[2])], [], 1.0)
+    assert [d[0] for d in tables["diagnostics"]] == ["texture-empty"]
+    got = read(kernel_runner, tables, 0, np.full((1, 2), 0.5), 0.0, CLAMP, CLAMP)
+    assert np.allclose(got, [[1, 0, 1, 1]])
