@@ -237,13 +237,15 @@ Port Builder::AuthoredInput(const materialgen::Node& node, const PortDefinition&
   if (have != Type::None && Components(want) > 0) {
     for (float& number : numbers) {
       if (!std::isfinite(number)) {
-        Say(Severity::Warning, "material-bad-value", node.path, "input '" + definition.name + "' is not finite; 0 is used");
+        Say(Severity::Warning, "material-bad-value", node.path,
+            "input '" + definition.name + "' is not finite; 0 is used");
         number = 0;
       }
     }
     // Integers and booleans choose among structures: they belong to the topology.
     const bool isTopology = want == Type::Int || want == Type::Bool || !IsVector(want);
-    if (have == want) return {want, isTopology ? e_.Literal(want, numbers) : e_.Parameter(want, numbers, node.path, definition.name)};
+    if (have == want)
+      return {want, isTopology ? e_.Literal(want, numbers) : e_.Parameter(want, numbers, node.path, definition.name)};
     if (isTopology || !IsVector(have)) return Fit({have, e_.Literal(have, numbers)}, definition, &node);
     if (Components(have) == 1) {
       const Id scalar = e_.Parameter(Type::Float, numbers, node.path, definition.name);
@@ -272,7 +274,8 @@ Port Builder::DefaultInput(const materialgen::Node* node, const PortDefinition& 
   Constant numbers{};
   const Type type = definition.type;
   // A default is as good as a value: authoring another one later must not change the topology.
-  if (node && IsVector(type) && type != Type::Int && type != Type::Bool && ParseNumbers(definition.value, type, &numbers)) {
+  if (node && IsVector(type) && type != Type::Int && type != Type::Bool &&
+      ParseNumbers(definition.value, type, &numbers)) {
     return {type, e_.Parameter(type, numbers, node->path, definition.name)};
   }
   return Literal(type, definition.value);
@@ -323,7 +326,8 @@ Port Builder::Fit(Port port, const PortDefinition& definition, const materialgen
     return port;
   }
   if (port.id != kNone && IsVector(port.type) && IsVector(want)) return {want, e_.Convert(port.id, want)};
-  if (port.type == Type::String && want == Type::Asset && port.id != kNone) return {want, e_.Asset({e_[port.id].text, {}, {}})};
+  if (port.type == Type::String && want == Type::Asset && port.id != kNone)
+    return {want, e_.Asset({e_[port.id].text, {}, {}})};
   if (want == Type::None) return port;
   const std::string location = node ? node->path : current_ ? current_->path : network_.path;
   Say(Severity::Warning, "material-type-mismatch", location,
@@ -338,12 +342,14 @@ Port Builder::Evaluate(const Node& node, const std::string& output, int depth) {
     case NodeDefinition::Implementation::Graph:
       if (depth < kMaximumGraphDepth) return EvaluateGraph(node, output, depth + 1);
       break;
-    case NodeDefinition::Implementation::Inline: return EvaluateInline(node);
+    case NodeDefinition::Implementation::Inline:
+      return EvaluateInline(node);
     case NodeDefinition::Implementation::Function:
       result = EvaluateFunction(node, output);
       if (!result.isUnknown) return result;
       break;
-    case NodeDefinition::Implementation::None: break;
+    case NodeDefinition::Implementation::None:
+      break;
   }
   Say(Severity::Error, "material-unsupported-node", current_ ? current_->path : network_.path,
       "node '" + node.definition->name + "' is not supported; what reads it shows magenta");

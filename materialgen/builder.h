@@ -25,14 +25,14 @@ struct Surface {
 // Value of an input or output.
 struct Port {
   Type type = Type::None;
-  Id id = kNone;          // expression, Bsdf or Surface by type; kNone with Bsdf: no closure
-  bool isUnknown = false; // comes from a node that nobody knows
+  Id id = kNone;           // expression, Bsdf or Surface by type; kNone with Bsdf: no closure
+  bool isUnknown = false;  // comes from a node that nobody knows
 };
 
 // What one pass over the network yields.
 struct Material {
   LinearClosure closure;
-  Id opacity = kNone;   // Surface's, before pass-through
+  Id opacity = kNone;  // Surface's, before pass-through
   Id emission = kNone;
 };
 
@@ -46,7 +46,7 @@ class Builder {
   struct Node {
     const NodeDefinition* definition = nullptr;
     std::vector<Port> inputs;
-    std::string name;         // within its graph; empty for nodes of the network
+    std::string name;                       // within its graph; empty for nodes of the network
     const NodeDefinition* owner = nullptr;  // definition whose graph holds it; null for nodes of the network
   };
   std::vector<Message> TakeMessages() { return std::move(messages_); }
@@ -97,7 +97,8 @@ class Builder {
   bool callsLibrary_ = false;
 };
 
-// Nodes that are not left to the library's code: values, geometry, images, closures, surfaces (nodes.cpp, closures.cpp).
+// Nodes that are not left to the library's code: values, geometry, images, closures, surfaces (nodes.cpp,
+// closures.cpp).
 class NodeEvaluator {
  public:
   NodeEvaluator(Builder* builder, const Builder::Node& node, const std::string& output)

@@ -93,8 +93,10 @@ class Lineariser {
         if (e_.IsConstant(node.weight, 1)) return through;
         return OneMinus(Multiply(node.weight, OneMinus(through)));
       }
-      case Bsdf::Kind::PassThrough: return e_.Number(0);
-      case Bsdf::Kind::Layer: return Multiply(ThroughputOf(node.first), ThroughputOf(node.second));
+      case Bsdf::Kind::PassThrough:
+        return e_.Number(0);
+      case Bsdf::Kind::Layer:
+        return Multiply(ThroughputOf(node.first), ThroughputOf(node.second));
       case Bsdf::Kind::Mix:
         if (e_.Decide(node.factor, 0)) return ThroughputOf(node.second);
         if (e_.Decide(node.factor, 1)) return ThroughputOf(node.first);
@@ -104,7 +106,8 @@ class Lineariser {
         return e_.Arithmetic("max", {e_.Arithmetic("subtract", {sum, e_.Number(1)}), e_.Number(0)});
       }
       case Bsdf::Kind::Scale:
-      case Bsdf::Kind::Volume: return ThroughputOf(node.first);
+      case Bsdf::Kind::Volume:
+        return ThroughputOf(node.first);
     }
     return e_.Number(1);
   }
@@ -114,7 +117,8 @@ class Lineariser {
     if (e_.IsConstant(other, 0) && e_.IsConstant(transmitted, 0)) return;
     Weight& weight = weights_[child];
     weight.other = weight.other == kNone ? other : e_.Arithmetic("add", {weight.other, other});
-    weight.transmitted = weight.transmitted == kNone ? transmitted : e_.Arithmetic("add", {weight.transmitted, transmitted});
+    weight.transmitted =
+        weight.transmitted == kNone ? transmitted : e_.Arithmetic("add", {weight.transmitted, transmitted});
   }
 
   void Distribute(BsdfId id, LinearClosure* result) {
@@ -151,7 +155,8 @@ class Lineariser {
         // The inside of the last one named; two volumes in one material are told apart nowhere in MaterialX.
         result->extinction = node.factor;
         return Give(node.first, w.other, w.transmitted);
-      default: return;
+      default:
+        return;
     }
   }
 

@@ -12,11 +12,11 @@ namespace materialgen {
 
 // One kind of lobe: a file of wavefront/kernels/lib/bsdf.
 struct LobeKind {
-  std::string_view name;        // file name, and name in statistics
-  std::string_view function;    // "fooMake", "fooEval", ... start with it
-  std::string_view structure;   // "FooLobe"
-  bool transmits = false;       // sees the other side of a closed boundary
-  bool opaque = false;          // lets nothing through to what it is layered over
+  std::string_view name;       // file name, and name in statistics
+  std::string_view function;   // "fooMake", "fooEval", ... start with it
+  std::string_view structure;  // "FooLobe"
+  bool transmits = false;      // sees the other side of a closed boundary
+  bool opaque = false;         // lets nothing through to what it is layered over
 };
 const LobeKind& FindLobe(std::string_view name);
 
@@ -26,14 +26,14 @@ using BsdfId = uint32_t;
 struct Bsdf {
   enum class Kind : uint8_t { Lobe, PassThrough, Layer, Mix, Add, Scale, Volume };
   Kind kind = Kind::Lobe;
-  BsdfId first = kNone;        // Layer: top; Mix: foreground; Add, Scale, Volume
-  BsdfId second = kNone;       // Layer: base; Mix: background; Add
-  Id factor = kNone;           // Mix: amount; Scale: colour or scalar; Volume: extinction
+  BsdfId first = kNone;   // Layer: top; Mix: foreground; Add, Scale, Volume
+  BsdfId second = kNone;  // Layer: base; Mix: background; Add
+  Id factor = kNone;      // Mix: amount; Scale: colour or scalar; Volume: extinction
   const LobeKind* lobe = nullptr;
-  Id expression = kNone;       // Lobe: the "lobe" expression
-  Id weight = kNone;           // Lobe: scalar weight, which also scales what it takes from below
-  Id tint = kNone;             // Lobe: colour of the response only (MaterialX: takes nothing from below)
-  Id interfaceIor = kNone;     // Lobe of a dielectric: the index, to know R and T lobes of the same interface
+  Id expression = kNone;    // Lobe: the "lobe" expression
+  Id weight = kNone;        // Lobe: scalar weight, which also scales what it takes from below
+  Id tint = kNone;          // Lobe: colour of the response only (MaterialX: takes nothing from below)
+  Id interfaceIor = kNone;  // Lobe of a dielectric: the index, to know R and T lobes of the same interface
   // What is not rendered yet; said once if the lobe survives pruning.
   bool isSubsurface = false, hasThinFilm = false, isRetroreflective = false;
 };
@@ -45,9 +45,9 @@ struct WeightedLobe {
 };
 
 struct LinearClosure {
-  std::vector<WeightedLobe> lobes;   // in order of creation
-  Id passThrough = kNone;            // weight of light that passes straight through; kNone: none
-  Id extinction = kNone;             // of the inside; kNone: clear
+  std::vector<WeightedLobe> lobes;  // in order of creation
+  Id passThrough = kNone;           // weight of light that passes straight through; kNone: none
+  Id extinction = kNone;            // of the inside; kNone: clear
   bool transmits = false;
   bool hasSubsurface = false, hasThinFilm = false, hasRetroreflection = false;
 };

@@ -42,7 +42,8 @@ bool NodeEvaluator::AddLobe(Port* result, std::string_view kind, std::vector<Id>
   bool isAnisotropic = false;
   if (hasAlpha) {
     const Expression& alpha = e_[In("roughness", Type::Vec2)];
-    isAnisotropic = alpha.op->name != "isotropic_alpha" && !(alpha.rate == Class::Literal && alpha.value[0] == alpha.value[1]) &&
+    isAnisotropic = alpha.op->name != "isotropic_alpha" &&
+                    !(alpha.rate == Class::Literal && alpha.value[0] == alpha.value[1]) &&
                     !(alpha.op->name == "construct" && alpha.arguments.size() == 1);
   }
   arguments.insert(arguments.begin(), FrameOf(isAnisotropic));
@@ -199,8 +200,8 @@ bool NodeEvaluator::EvaluateSurface(Port* result) {
       Bsdf scale;
       scale.kind = Bsdf::Kind::Scale;
       scale.first = BsdfId(b_.bsdfs_.size() - 1);
-      scale.factor = e_.Arithmetic("clamp", {e_.Arithmetic("multiply", {In("transmission_color"), transmission}),
-                                             e_.Number(0), e_.Number(1)});
+      scale.factor = e_.Arithmetic(
+          "clamp", {e_.Arithmetic("multiply", {In("transmission_color"), transmission}), e_.Number(0), e_.Number(1)});
       b_.bsdfs_.push_back(scale);
       surface.bsdf = BsdfId(b_.bsdfs_.size() - 1);
     }

@@ -21,7 +21,8 @@
 namespace materialgen {
 namespace {
 
-// Files embedded from the wavefront folder; a name is looked for beside the includer, then under kernels/, then at the root.
+// Files embedded from the wavefront folder; a name is looked for beside the includer, then under kernels/, then at the
+// root.
 class Includer final : public glslang::TShader::Includer {
  public:
   IncludeResult* includeLocal(const char* name, const char* includer, size_t) override {

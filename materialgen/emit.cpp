@@ -23,7 +23,8 @@ std::string HashOf(const std::string& text) {
     b = (b ^ c) * 0x100000001b3ull + 0x632be59bd9b4e019ull;
   }
   char buffer[33];
-  std::snprintf(buffer, sizeof(buffer), "%016llx%016llx", static_cast<unsigned long long>(a), static_cast<unsigned long long>(b));
+  std::snprintf(buffer, sizeof(buffer), "%016llx%016llx", static_cast<unsigned long long>(a),
+                static_cast<unsigned long long>(b));
   return buffer;
 }
 
@@ -102,7 +103,8 @@ class Emitter {
     Printer printer(e_, layout_, roots);
     const std::string result = printer.Text(value);
     std::string text = Head("pattern", printer);
-    text += "vec3 " + std::string(function) + "(ShadingPoint sp) {\n" + printer.Body() + "  return " + result + ";\n}\n";
+    text +=
+        "vec3 " + std::string(function) + "(ShadingPoint sp) {\n" + printer.Body() + "  return " + result + ";\n}\n";
     return text + "#include \"material/" + entry + "_tail.glsl\"\n";
   }
 
@@ -120,7 +122,8 @@ class Emitter {
       if (frames.insert(frame).second) {
         fields += "  Frame " + frame + ";\n";
         assign += "  c." + frame + " = " + frame + ";\n";
-        eval += "  vec3 o" + frame + " = toLocal(c." + frame + ", wo), i" + frame + " = toLocal(c." + frame + ", wi);\n";
+        eval +=
+            "  vec3 o" + frame + " = toLocal(c." + frame + ", wo), i" + frame + " = toLocal(c." + frame + ", wi);\n";
       }
       fields += "  " + std::string(kind.structure) + " l" + n + ";\n  vec3 w" + n + ";\n  float p" + n + ";\n";
       assign += "  c.l" + n + " = " + lobe + ";\n";
@@ -130,8 +133,8 @@ class Emitter {
       sum += (i ? " + a" : "a") + n;
       importance += (i ? " + c.p" : "c.p") + n;
       eval += "  vec4 e" + n + " = " + function + "Eval(c.l" + n + ", o" + frame + ", i" + frame + ");\n";
-      const std::string call = "return toWorld(c." + frame + ", " + function + "Sample(c.l" + n + ", toLocal(c." + frame +
-                               ", wo), vec3(u, uLobe)));\n";
+      const std::string call = "return toWorld(c." + frame + ", " + function + "Sample(c.l" + n + ", toLocal(c." +
+                               frame + ", wo), vec3(u, uLobe)));\n";
       if (count == 1) {
         sample += "  " + call;
       } else {
@@ -162,10 +165,11 @@ class Emitter {
     std::string text = Head("surface", printer);
     text += flag("kHasTransmission", material_.closure.transmits) + flag("kHasOpacity", hasOpacity_) +
             flag("kHasEmission", emission_ != kNone);
-    text += "struct Closure {\n  vec3 opacity;\n  vec3 emission;\n  vec3 interiorExtinction;\n  vec3 albedo;\n" + fields + "};\n";
-    text += "void closureMake(ShadingPoint sp, out Closure c) {\n" + printer.Body() + assign + "  c.albedo = " +
-            (count ? sum : "vec3(0.0)") + ";\n" + normalise + "  c.opacity = " + opacity + ";\n  c.emission = " + emission +
-            ";\n  c.interiorExtinction = " + inside + ";\n}\n";
+    text += "struct Closure {\n  vec3 opacity;\n  vec3 emission;\n  vec3 interiorExtinction;\n  vec3 albedo;\n" +
+            fields + "};\n";
+    text += "void closureMake(ShadingPoint sp, out Closure c) {\n" + printer.Body() + assign +
+            "  c.albedo = " + (count ? sum : "vec3(0.0)") + ";\n" + normalise + "  c.opacity = " + opacity +
+            ";\n  c.emission = " + emission + ";\n  c.interiorExtinction = " + inside + ";\n}\n";
     std::string rgb, pdf;
     for (size_t i = 0; i < count; ++i) {
       const std::string n = std::to_string(i);

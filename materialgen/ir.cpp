@@ -12,9 +12,13 @@ namespace {
 constexpr int kMaximumDecisionDepth = 8;
 constexpr int kMaximumNarrowingDepth = 32;
 
-bool Is(const Expression& e, std::string_view op) { return e.op->name == op; }
+bool Is(const Expression& e, std::string_view op) {
+  return e.op->name == op;
+}
 
-void AppendBytes(std::string* key, const void* data, size_t size) { key->append(static_cast<const char*>(data), size); }
+void AppendBytes(std::string* key, const void* data, size_t size) {
+  key->append(static_cast<const char*>(data), size);
+}
 
 std::string KeyOf(const Expression& e, const std::string& salt) {
   std::string key(e.op->name);
@@ -123,7 +127,8 @@ Id Expressions::Make(const Op& op, Type type, std::vector<Id> arguments, std::st
         if (argument >= a.count) return 0.0f;
         return (*a.values[argument])[size_t(a.components[argument] == 1 ? 0 : i)];
       };
-      for (int i = 0; i < a.resultComponents; ++i) e.value[size_t(i)] = op.component(read(0, i), read(1, i), read(2, i));
+      for (int i = 0; i < a.resultComponents; ++i)
+        e.value[size_t(i)] = op.component(read(0, i), read(1, i), read(2, i));
     }
     if (e.rate == Class::Literal) return Literal(type, e.value);
   }
@@ -154,7 +159,8 @@ Id Expressions::Convert(Id id, Type type) {
   if (from == type) return id;
   if (!IsVector(from) || !IsVector(type)) return kNone;
   if (from == Type::Bool || from == Type::Int) {
-    if (type == Type::Bool) return Make("equal", Type::Bool, {Make("equal", Type::Bool, {id, Literal(from, {})}), Literal(Type::Bool, {})});
+    if (type == Type::Bool)
+      return Make("equal", Type::Bool, {Make("equal", Type::Bool, {id, Literal(from, {})}), Literal(Type::Bool, {})});
     if (type == Type::Int) return Make("to_int", Type::Int, {id});
     return Convert(Make("to_float", Type::Float, {id}), type);
   }
@@ -188,7 +194,8 @@ bool Expressions::Decide(Id id, float value, int depth) {
   if (depth > kMaximumDecisionDepth && e.rate == Class::Varying) return false;
   if (e.rate == Class::Varying) {
     // A product is zero where a factor is.
-    if (value == 0 && Is(e, "multiply")) return Decide(e.arguments[0], 0, depth + 1) || Decide(e.arguments[1], 0, depth + 1);
+    if (value == 0 && Is(e, "multiply"))
+      return Decide(e.arguments[0], 0, depth + 1) || Decide(e.arguments[1], 0, depth + 1);
     if (value == 0 && (Is(e, "construct") || Is(e, "clamp")) && !e.arguments.empty()) {
       if (Is(e, "clamp")) return IsConstant(e.arguments[1], 0) && Decide(e.arguments[0], 0, depth + 1);
       return e.arguments.size() == 1 && Decide(e.arguments[0], 0, depth + 1);
@@ -279,7 +286,8 @@ Id Expressions::SimplifyArithmetic(const Op& op, Type type, const std::vector<Id
       return Arithmetic("multiply", {x.arguments[0], Arithmetic("multiply", {x.arguments[1], a[1]})});
     }
     if (literal(a[1]) && Is(x, "add") && literal(x.arguments[1])) {
-      return Arithmetic("add", {Arithmetic("multiply", {x.arguments[0], a[1]}), Arithmetic("multiply", {x.arguments[1], a[1]})});
+      return Arithmetic(
+          "add", {Arithmetic("multiply", {x.arguments[0], a[1]}), Arithmetic("multiply", {x.arguments[1], a[1]})});
     }
   } else if (op.name == "divide") {
     if (IsConstant(a[1], 1)) return whole(a[0]);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the hdWavefront authors
-// The expressions of one material: a hash-consed DAG, folded while it is built. Ids ascend from arguments to results, so
-// every walk is a loop and a chain of any length is safe.
+// The expressions of one material: a hash-consed DAG, folded while it is built. Ids ascend from arguments to results,
+// so every walk is a loop and a chain of any length is safe.
 #pragma once
 
 #include <cstdint>
@@ -29,8 +29,8 @@ struct Expression {
   Type type = Type::None;
   Class rate = Class::Varying;
   std::vector<Id> arguments;
-  std::string text;   // what else the operation needs: a swizzle, a primvar name, an inline expression ...
-  Constant value{};   // Literal and Uniform
+  std::string text;  // what else the operation needs: a swizzle, a primvar name, an inline expression ...
+  Constant value{};  // Literal and Uniform
 };
 
 // A value that a user can edit: an input of a node of the network.
@@ -55,8 +55,8 @@ class Expressions {
   Id Literal(Type type, const Constant& value);
   Id Number(float value) { return Literal(Type::Float, {value}); }
   Id Color(float r, float g, float b) { return Literal(Type::Vec3, {r, g, b}); }
-  Id Text(const std::string& text);                     // a string
-  Id Asset(const AssetValue& asset);                    // a file name, held aside: see AssetOf
+  Id Text(const std::string& text);   // a string
+  Id Asset(const AssetValue& asset);  // a file name, held aside: see AssetOf
   Id Parameter(Type type, const Constant& value, const std::string& node, const std::string& input);
   Id Texture(TextureLeaf texture);
   // Folds and simplifies. Arguments that are kNone are not allowed, except for operations that say so.
@@ -73,7 +73,7 @@ class Expressions {
   size_t size() const { return nodes_.size(); }
   bool IsLiteral(Id id) const { return nodes_[id].rate == Class::Literal; }
   bool IsUniform(Id id) const { return nodes_[id].rate != Class::Varying; }
-  bool IsConstant(Id id, float value) const;            // Literal, all components equal to value
+  bool IsConstant(Id id, float value) const;  // Literal, all components equal to value
   float Scalar(Id id) const { return nodes_[id].value[0]; }
   const AssetValue* AssetOf(Id id) const;
 

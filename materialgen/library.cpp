@@ -35,7 +35,9 @@ const std::unordered_map<std::string, std::string>& UsdIdentifiers() {
 }
 
 // One spelling per file, so that each is included once.
-std::string Normalised(const std::string& path) { return std::filesystem::path(path).lexically_normal().string(); }
+std::string Normalised(const std::string& path) {
+  return std::filesystem::path(path).lexically_normal().string();
+}
 
 }  // namespace
 
@@ -102,7 +104,8 @@ void Library::Impl::Add(const mx::NodeDefPtr& source) {
       definition->implementation = NodeDefinition::Implementation::Function;
       definition->source = code->getFunction();
       // Relative to the library file that names it.
-      definition->file = Normalised((mx::FilePath(code->getActiveSourceUri()).getParentPath() / code->getFile()).asString());
+      definition->file =
+          Normalised((mx::FilePath(code->getActiveSourceUri()).getParentPath() / code->getFile()).asString());
     }
   }
   definitions.emplace(definition->name, std::move(definition));
@@ -199,7 +202,9 @@ const Graph* Library::GraphOf(const NodeDefinition& definition) {
   return impl_->graphs.emplace(definition.name, impl_->Read(definition)).first->second.get();
 }
 
-std::string Library::MathFile() const { return Normalised(impl_->path + "/stdlib/genglsl/lib/mx_math.glsl"); }
+std::string Library::MathFile() const {
+  return Normalised(impl_->path + "/stdlib/genglsl/lib/mx_math.glsl");
+}
 
 std::string Library::FunctionSource(const std::string& file, std::set<std::string>* seen) {
   const std::lock_guard lock(impl_->mutex);

@@ -22,7 +22,7 @@ struct Graph;
 struct PortDefinition {
   std::string name;
   Type type = Type::None;
-  std::string value;     // default as text; empty: none
+  std::string value;  // default as text; empty: none
   bool isColor = false;
   std::string geomprop;  // "Nworld", "UV0", ...: what an unconnected input without a value reads
 };
@@ -33,8 +33,8 @@ struct NodeDefinition {
   std::string category;  // "add"
   std::vector<PortDefinition> inputs, outputs;
   Implementation implementation = Implementation::None;
-  std::string source;    // Inline: expression with {{input}}; Function: the function's name
-  std::string file;      // Function: where it is defined
+  std::string source;            // Inline: expression with {{input}}; Function: the function's name
+  std::string file;              // Function: where it is defined
   const Graph* graph = nullptr;  // Graph: filled by Library::GraphOf
 
   const PortDefinition* FindInput(std::string_view input) const;
@@ -45,9 +45,9 @@ struct GraphInput {
   enum class Source { Value, Node, Interface };
   std::string name;
   Source source = Source::Value;
-  std::string value;      // Value: text; Interface: name of the graph's input
-  uint32_t node = 0;      // Node: index into Graph::nodes, smaller than the reader's own
-  std::string output;     // Node
+  std::string value;   // Value: text; Interface: name of the graph's input
+  uint32_t node = 0;   // Node: index into Graph::nodes, smaller than the reader's own
+  std::string output;  // Node
 };
 
 struct GraphNode {

@@ -14,25 +14,39 @@ struct ArithmeticRow {
   std::string_view category, op, inputs[3];
 };
 constexpr ArithmeticRow kArithmetic[] = {
-    {"add", "add", {"in1", "in2"}},          {"subtract", "subtract", {"in1", "in2"}},
-    {"multiply", "multiply", {"in1", "in2"}}, {"divide", "divide", {"in1", "in2"}},
-    {"modulo", "modulo", {"in1", "in2"}},    {"power", "power", {"in1", "in2"}},
-    {"min", "min", {"in1", "in2"}},          {"max", "max", {"in1", "in2"}},
-    {"mix", "mix", {"bg", "fg", "mix"}},     {"clamp", "clamp", {"in", "low", "high"}},
-    {"absval", "absval", {"in"}},            {"floor", "floor", {"in"}},
-    {"ceil", "ceil", {"in"}},                {"round", "round", {"in"}},
-    {"fract", "fract", {"in"}},              {"sign", "sign", {"in"}},
-    {"sqrt", "sqrt", {"in"}},                {"exp", "exp", {"in"}},
-    {"ln", "ln", {"in"}},                    {"sin", "sin", {"in"}},
-    {"cos", "cos", {"in"}},                  {"tan", "tan", {"in"}},
-    {"asin", "asin", {"in"}},                {"acos", "acos", {"in"}},
+    {"add", "add", {"in1", "in2"}},
+    {"subtract", "subtract", {"in1", "in2"}},
+    {"multiply", "multiply", {"in1", "in2"}},
+    {"divide", "divide", {"in1", "in2"}},
+    {"modulo", "modulo", {"in1", "in2"}},
+    {"power", "power", {"in1", "in2"}},
+    {"min", "min", {"in1", "in2"}},
+    {"max", "max", {"in1", "in2"}},
+    {"mix", "mix", {"bg", "fg", "mix"}},
+    {"clamp", "clamp", {"in", "low", "high"}},
+    {"absval", "absval", {"in"}},
+    {"floor", "floor", {"in"}},
+    {"ceil", "ceil", {"in"}},
+    {"round", "round", {"in"}},
+    {"fract", "fract", {"in"}},
+    {"sign", "sign", {"in"}},
+    {"sqrt", "sqrt", {"in"}},
+    {"exp", "exp", {"in"}},
+    {"ln", "ln", {"in"}},
+    {"sin", "sin", {"in"}},
+    {"cos", "cos", {"in"}},
+    {"tan", "tan", {"in"}},
+    {"asin", "asin", {"in"}},
+    {"acos", "acos", {"in"}},
     {"atan2", "atan2", {"iny", "inx"}},
 };
 
 constexpr std::string_view kComponentNames = "xyzw";
 
 // A number as an index from 0 to `last`; whatever the number is.
-int IndexOf(float number, int last) { return number >= 1 ? (number < float(last) ? int(number) : last) : 0; }
+int IndexOf(float number, int last) {
+  return number >= 1 ? (number < float(last) ? int(number) : last) : 0;
+}
 
 }  // namespace
 
@@ -72,9 +86,8 @@ bool NodeEvaluator::Evaluate(Port* result) {
   if (EvaluateOverride(result)) return true;
   if (type == Type::Bsdf) return EvaluateBsdf(result);
   if (type == Type::Surface) return EvaluateSurface(result);
-  return EvaluateArithmetic(result) || EvaluateChannels(result) || EvaluateChoice(result) ||
-         EvaluateGeometry(result) || EvaluateImage(result) || EvaluateNormalMap(result) ||
-         EvaluateMicrofacet(result) || EvaluateEmission(result);
+  return EvaluateArithmetic(result) || EvaluateChannels(result) || EvaluateChoice(result) || EvaluateGeometry(result) ||
+         EvaluateImage(result) || EvaluateNormalMap(result) || EvaluateMicrofacet(result) || EvaluateEmission(result);
 }
 
 void NodeEvaluator::Unsupported(const std::string& what) {

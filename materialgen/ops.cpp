@@ -14,7 +14,9 @@ namespace {
 
 using A = const OpArguments&;
 
-float Clamp(float x, float low, float high) { return std::min(std::max(x, low), high); }
+float Clamp(float x, float low, float high) {
+  return std::min(std::max(x, low), high);
+}
 
 void Select(A a, Constant* r) {
   const int which = (*a.values[0])[0] != 0 ? 1 : 2;

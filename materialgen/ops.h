@@ -26,8 +26,8 @@ struct Op {
   float (*component)(float a, float b, float c) = nullptr;
   // The whole value. Both null: only the kernel can compute it.
   void (*evaluate)(const OpArguments& arguments, Constant* result) = nullptr;
-  bool infix = false;        // wants parentheses inside another expression
-  bool sameTypes = false;    // GLSL has no overload that mixes scalars and vectors
+  bool infix = false;      // wants parentheses inside another expression
+  bool sameTypes = false;  // GLSL has no overload that mixes scalars and vectors
 };
 
 // The row named `name`; naming one that is not there is a bug.

@@ -103,8 +103,10 @@ Printer::Printer(const Expressions& expressions, const Layout& layout, const std
   for (Id id : live) {
     const Expression& expression = e_[id];
     if (expression.rate != Class::Varying) continue;
-    const std::string_view pattern = expression.op->name == "inline" ? std::string_view(expression.text) : expression.op->glsl;
-    for (size_t i = 0; i < expression.arguments.size(); ++i) uses_[expression.arguments[i]] += std::max(1, Occurrences(pattern, i));
+    const std::string_view pattern =
+        expression.op->name == "inline" ? std::string_view(expression.text) : expression.op->glsl;
+    for (size_t i = 0; i < expression.arguments.size(); ++i)
+      uses_[expression.arguments[i]] += std::max(1, Occurrences(pattern, i));
   }
   for (Id id : live) Print(id);
   body_ = parameters_ + body_;
@@ -161,7 +163,8 @@ std::vector<std::string> Printer::Arguments(const Expression& expression) const 
 }
 
 // "$0": argument; "$t": the text; "$s": slot of the primvar named by the text.
-std::string Printer::Substitute(const Expression& expression, const std::string& pattern, const std::vector<std::string>& arguments) const {
+std::string Printer::Substitute(const Expression& expression, const std::string& pattern,
+                                const std::vector<std::string>& arguments) const {
   std::string out;
   for (size_t i = 0; i < pattern.size(); ++i) {
     if (pattern[i] != '$' || i + 1 == pattern.size()) {
@@ -182,7 +185,8 @@ std::string Printer::Substitute(const Expression& expression, const std::string&
 
 void Printer::WriteFrame(const Expression& expression, const std::string& name) {
   const std::vector<std::string> a = Arguments(expression);
-  body_ += "  Frame " + name + " = " + (a.size() > 1 ? "patternFrameTangent(sp, " + a[0] + ", " + a[1] : "patternFrame(sp, " + a[0]) +
+  body_ += "  Frame " + name + " = " +
+           (a.size() > 1 ? "patternFrameTangent(sp, " + a[0] + ", " + a[1] : "patternFrame(sp, " + a[0]) +
            ");\n  vec3 o" + name + " = toLocal(" + name + ", sp.wo);\n";
 }
 
@@ -204,7 +208,8 @@ Printer::Printed Printer::Write(const Expression& expression) {
   if (op == "albedo" || op == "throughput") {
     const LobeKind& kind = FindLobe(expression.text);
     const Id frame = e_[expression.arguments[0]].arguments[0];
-    return {std::string(kind.function) + (op == "albedo" ? "Albedo(" : "Throughput(") + a[0] + ", o" + texts_.at(frame).text + ")"};
+    return {std::string(kind.function) + (op == "albedo" ? "Albedo(" : "Throughput(") + a[0] + ", o" +
+            texts_.at(frame).text + ")"};
   }
   return {Substitute(expression, std::string(expression.op->glsl), a), expression.op->infix};
 }
@@ -239,7 +244,8 @@ void Printer::Print(Id id) {
     std::string list;
     const std::vector<std::string> a = Arguments(expression);
     for (size_t i = 1; i < a.size(); ++i) list += (i > 1 ? ", " : "") + a[i];
-    body_ += "  " + std::string(kind.structure) + " " + name + " = " + std::string(kind.function) + "Make(" + list + ");\n";
+    body_ +=
+        "  " + std::string(kind.structure) + " " + name + " = " + std::string(kind.function) + "Make(" + list + ");\n";
     texts_[id] = {name};
     return;
   }
@@ -269,8 +275,8 @@ void Printer::Print(Id id) {
   }
   if (op == "inline" && expression.text.find("mx_") != std::string::npos) callsLibrary_ = true;
   Printed printed = Write(expression);
-  const bool isCheap = op == "swizzle" || op == "uv_value" || op == "footprint" || op == "tangent" || op == "bitangent" ||
-                        printed.text.rfind("sp.", 0) == 0;
+  const bool isCheap = op == "swizzle" || op == "uv_value" || op == "footprint" || op == "tangent" ||
+                       op == "bitangent" || printed.text.rfind("sp.", 0) == 0;
   if ((uses_[id] <= 1 || isCheap) && printed.text.size() <= kInlineLength) {
     texts_[id] = std::move(printed);
     return;

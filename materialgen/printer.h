@@ -39,7 +39,8 @@ class Printer {
   };
   void Print(Id id);
   Printed Write(const Expression& expression);
-  std::string Substitute(const Expression& expression, const std::string& pattern, const std::vector<std::string>& arguments) const;
+  std::string Substitute(const Expression& expression, const std::string& pattern,
+                         const std::vector<std::string>& arguments) const;
   std::vector<std::string> Arguments(const Expression& expression) const;
   std::string Parameter(Id id);
   std::string ParameterTexel(uint32_t texel);

@@ -10,23 +10,50 @@
 
 namespace materialgen {
 
-enum class Type : uint8_t { None, Bool, Int, Float, Vec2, Vec3, Vec4, Mat3, Mat4, String, Asset, Frame, Lobe, Call, Uv, Bsdf, Surface };
+enum class Type : uint8_t {
+  None,
+  Bool,
+  Int,
+  Float,
+  Vec2,
+  Vec3,
+  Vec4,
+  Mat3,
+  Mat4,
+  String,
+  Asset,
+  Frame,
+  Lobe,
+  Call,
+  Uv,
+  Bsdf,
+  Surface
+};
 
 // Number of floats; 0 for what is not a number.
 constexpr int Components(Type type) {
   switch (type) {
     case Type::Bool:
     case Type::Int:
-    case Type::Float: return 1;
-    case Type::Vec2: return 2;
-    case Type::Vec3: return 3;
-    case Type::Vec4: return 4;
-    case Type::Mat3: return 9;
-    case Type::Mat4: return 16;
-    default: return 0;
+    case Type::Float:
+      return 1;
+    case Type::Vec2:
+      return 2;
+    case Type::Vec3:
+      return 3;
+    case Type::Vec4:
+      return 4;
+    case Type::Mat3:
+      return 9;
+    case Type::Mat4:
+      return 16;
+    default:
+      return 0;
   }
 }
-constexpr bool IsVector(Type type) { return Components(type) >= 1 && Components(type) <= 4; }
+constexpr bool IsVector(Type type) {
+  return Components(type) >= 1 && Components(type) <= 4;
+}
 constexpr Type VectorType(int components) {
   constexpr Type kTypes[] = {Type::None, Type::Float, Type::Vec2, Type::Vec3, Type::Vec4};
   return components >= 1 && components <= 4 ? kTypes[components] : Type::None;

@@ -24,9 +24,8 @@ namespace {
 using Color = std::array<float, 3>;
 
 Generator& SharedGenerator() {
-  static const std::unique_ptr<Generator> generator = Generator::Create(HDWAVEFRONT_MATERIALX_LIBRARIES, [](const Message& m) {
-    std::cerr << m.code << ": " << m.text << "\n";
-  });
+  static const std::unique_ptr<Generator> generator = Generator::Create(
+      HDWAVEFRONT_MATERIALX_LIBRARIES, [](const Message& m) { std::cerr << m.code << ": " << m.text << "\n"; });
   return *generator;
 }
 
@@ -96,7 +95,9 @@ void AddTexture(MaterialNetwork* network, const std::string& input, const std::s
   network->connections.push_back({reader, "result", texture, "st"});
 }
 
-std::vector<std::string> Lobes(const Result& result) { return result.material.kernel->lobes; }
+std::vector<std::string> Lobes(const Result& result) {
+  return result.material.kernel->lobes;
+}
 
 TEST(MaterialGen, DefaultMaterialReadsDisplayPrimvars) {
   const CompiledMaterial material = SharedGenerator().GenerateDefault();
@@ -123,11 +124,21 @@ TEST(MaterialGen, PlainPreviewSurfaceIsDiffuseAndOneSpecular) {
 
 // Every input with a value of its own, and with a texture: compiles, and asks for what it should.
 TEST(MaterialGen, EveryPreviewSurfaceInputCompiles) {
-  const std::map<std::string, Value> values = {
-      {"diffuseColor", Color{0.5f, 0.2f, 0.1f}}, {"emissiveColor", Color{1, 2, 3}}, {"useSpecularWorkflow", int32_t(1)},
-      {"specularColor", Color{0.1f, 0.2f, 0.3f}}, {"metallic", 0.5f}, {"roughness", 0.1f}, {"clearcoat", 0.3f},
-      {"clearcoatRoughness", 0.2f}, {"opacity", 0.5f}, {"opacityMode", std::string("presence")},
-      {"opacityThreshold", 0.4f}, {"ior", 1.3f}, {"normal", Color{0, 0, 1}}, {"displacement", 0.1f}, {"occlusion", 0.5f}};
+  const std::map<std::string, Value> values = {{"diffuseColor", Color{0.5f, 0.2f, 0.1f}},
+                                               {"emissiveColor", Color{1, 2, 3}},
+                                               {"useSpecularWorkflow", int32_t(1)},
+                                               {"specularColor", Color{0.1f, 0.2f, 0.3f}},
+                                               {"metallic", 0.5f},
+                                               {"roughness", 0.1f},
+                                               {"clearcoat", 0.3f},
+                                               {"clearcoatRoughness", 0.2f},
+                                               {"opacity", 0.5f},
+                                               {"opacityMode", std::string("presence")},
+                                               {"opacityThreshold", 0.4f},
+                                               {"ior", 1.3f},
+                                               {"normal", Color{0, 0, 1}},
+                                               {"displacement", 0.1f},
+                                               {"occlusion", 0.5f}};
   for (const auto& [name, value] : values) {
     const Result result = RunNetwork(Preview({{name, value}}));
     ExpectCompiles(result.material, name);
@@ -138,8 +149,8 @@ TEST(MaterialGen, EveryPreviewSurfaceInputCompiles) {
     AddTexture(&network, name, isColor ? "rgb" : "r", name + ".png");
     const Result textured = RunNetwork(network);
     ExpectCompiles(textured.material, name + " texture");
-    const bool isUsed = name != "displacement" && name != "occlusion" && name != "specularColor" &&
-                        name != "clearcoatRoughness";
+    const bool isUsed =
+        name != "displacement" && name != "occlusion" && name != "specularColor" && name != "clearcoatRoughness";
     EXPECT_EQ(textured.material.textures.size(), isUsed ? 1u : 0u) << name;
   }
   const Result all = RunNetwork(Preview(values));
@@ -156,14 +167,17 @@ TEST(MaterialGen, MetallicPrunesDiffuse) {
 
 TEST(MaterialGen, ValueEditsKeepTheKernel) {
   const Result a = RunNetwork(Preview());
-  const Result b = RunNetwork(Preview({{"diffuseColor", Color{0.9f, 0.1f, 0.3f}}, {"roughness", 0.23f}, {"ior", 1.8f}}));
+  const Result b =
+      RunNetwork(Preview({{"diffuseColor", Color{0.9f, 0.1f, 0.3f}}, {"roughness", 0.23f}, {"ior", 1.8f}}));
   EXPECT_EQ(a.material.kernel, b.material.kernel);
   EXPECT_NE(a.material.parameters, b.material.parameters);
   // Accidental equality of two values is no structure either.
-  EXPECT_EQ(a.material.kernel, RunNetwork(Preview({{"diffuseColor", Color{0.5f, 0.5f, 0.5f}}, {"roughness", 0.5f}})).material.kernel);
+  EXPECT_EQ(a.material.kernel,
+            RunNetwork(Preview({{"diffuseColor", Color{0.5f, 0.5f, 0.5f}}, {"roughness", 0.5f}})).material.kernel);
   const Result c = RunNetwork(Preview({{"clearcoat", 0.2f}}));
   EXPECT_NE(a.material.kernel->key, c.material.kernel->key) << "a pruned lobe woke up";
-  EXPECT_EQ(c.material.kernel, RunNetwork(Preview({{"clearcoat", 0.9f}, {"clearcoatRoughness", 0.4f}})).material.kernel);
+  EXPECT_EQ(c.material.kernel,
+            RunNetwork(Preview({{"clearcoat", 0.9f}, {"clearcoatRoughness", 0.4f}})).material.kernel);
 }
 
 TEST(MaterialGen, NamesAndTexturesAreNotTopology) {
@@ -210,14 +224,17 @@ TEST(MaterialGen, StandardSurfaceWakesWhatIsSwitchedOn) {
   using Names = std::vector<std::string>;
   const Result plain = RunNetwork(Standard());
   EXPECT_EQ(Lobes(plain), (Names{"dielectric_reflection", "oren_nayar"}));
-  EXPECT_EQ(plain.material.kernel, RunNetwork(Standard({{"base", 0.3f}, {"specular_roughness", 0.7f}})).material.kernel);
+  EXPECT_EQ(plain.material.kernel,
+            RunNetwork(Standard({{"base", 0.3f}, {"specular_roughness", 0.7f}})).material.kernel);
   EXPECT_EQ(Lobes(RunNetwork(Standard({{"metalness", 1.0f}}))), (Names{"conductor"}));
-  EXPECT_EQ(Lobes(RunNetwork(Standard({{"transmission", 1.0f}}))), (Names{"dielectric_reflection", "dielectric_transmission"}));
+  EXPECT_EQ(Lobes(RunNetwork(Standard({{"transmission", 1.0f}}))),
+            (Names{"dielectric_reflection", "dielectric_transmission"}));
   EXPECT_EQ(Lobes(RunNetwork(Standard({{"sheen", 0.5f}}))),
             (Names{"dielectric_reflection", "sheen_conty_kulla", "oren_nayar"}));
   const Result coated = RunNetwork(Standard({{"coat", 0.5f}}));
   EXPECT_EQ(Lobes(coated), (Names{"dielectric_reflection", "dielectric_reflection", "oren_nayar"}));
-  EXPECT_EQ(coated.material.kernel, RunNetwork(Standard({{"coat", 0.9f}, {"coat_color", Color{1, 0, 0}}})).material.kernel);
+  EXPECT_EQ(coated.material.kernel,
+            RunNetwork(Standard({{"coat", 0.9f}, {"coat_color", Color{1, 0, 0}}})).material.kernel);
   EXPECT_FALSE(RunNetwork(Standard({{"emission", 1.0f}})).material.kernel->emission.empty());
   EXPECT_TRUE(plain.messages.empty());
 }
@@ -227,8 +244,9 @@ TEST(MaterialGen, UnsupportedFeaturesAreSaidOnce) {
   const auto count = [](std::map<std::string, Value> parameters) {
     const Result result = RunNetwork(Standard(std::move(parameters)));
     ExpectCompiles(result.material, "unsupported feature");
-    return std::count_if(result.messages.begin(), result.messages.end(),
-                         [](const Message& m) { return m.code == "material-unsupported-feature" && m.location == "/Looks/m"; });
+    return std::count_if(result.messages.begin(), result.messages.end(), [](const Message& m) {
+      return m.code == "material-unsupported-feature" && m.location == "/Looks/m";
+    });
   };
   EXPECT_EQ(count({{"subsurface", 0.5f}}), 1);
   EXPECT_EQ(count({{"thin_film_thickness", 300.0f}}), 1);
@@ -237,7 +255,9 @@ TEST(MaterialGen, UnsupportedFeaturesAreSaidOnce) {
 }
 
 TEST(MaterialGen, OpacityModes) {
-  const auto opacity = [](std::map<std::string, Value> p) { return !RunNetwork(Preview(std::move(p))).material.kernel->opacity.empty(); };
+  const auto opacity = [](std::map<std::string, Value> p) {
+    return !RunNetwork(Preview(std::move(p))).material.kernel->opacity.empty();
+  };
   EXPECT_FALSE(opacity({{"opacity", 1.0f}}));
   EXPECT_TRUE(opacity({{"opacity", 0.99f}}));
   EXPECT_TRUE(opacity({{"opacity", 0.5f}, {"opacityMode", std::string("presence")}}));
@@ -288,7 +308,8 @@ TEST(MaterialGen, MalformedNetworks) {
   output.connections.push_back({"/t", "nonsense", output.surfaceNode, "diffuseColor"});
   EXPECT_TRUE(RunNetwork(output).Has("material-unknown-output"));
 
-  const Result type = RunNetwork(Preview({{"diffuseColor", std::string("red")}, {"roughness", AssetValue{"a", "b", ""}}}));
+  const Result type =
+      RunNetwork(Preview({{"diffuseColor", std::string("red")}, {"roughness", AssetValue{"a", "b", ""}}}));
   EXPECT_TRUE(type.Has("material-type-mismatch"));
   ExpectCompiles(type.material, "type");
 
@@ -301,7 +322,8 @@ TEST(MaterialGen, Cycles) {
   MaterialNetwork network = Preview();
   network.nodes.push_back({"/a", "ND_add_color3", {}});
   network.nodes.push_back({"/b", "ND_multiply_color3", {}});
-  network.connections = {{"/a", "out", network.surfaceNode, "diffuseColor"}, {"/b", "out", "/a", "in1"}, {"/a", "out", "/b", "in1"}};
+  network.connections = {
+      {"/a", "out", network.surfaceNode, "diffuseColor"}, {"/b", "out", "/a", "in1"}, {"/a", "out", "/b", "in1"}};
   const Result result = RunNetwork(network);
   EXPECT_TRUE(result.Has("material-cycle"));
   ExpectCompiles(result.material, "cycle");
@@ -357,17 +379,49 @@ TEST(MaterialGen, LongClosureChain) {
 
 // Random wiring of random nodes, wrong types and all: no crash, and what comes out compiles.
 TEST(MaterialGen, FuzzedNetworks) {
-  const std::vector<std::string> kinds = {
-      "UsdPreviewSurface", "UsdUVTexture", "UsdPrimvarReader_float2", "UsdTransform2d", "ND_add_color3", "ND_mix_float",
-      "ND_multiply_vector2", "ND_image_color3", "ND_noise2d_float", "ND_fractal3d_vector3", "ND_ifgreater_color3",
-      "ND_switch_float", "ND_combine3_color3", "ND_separate4_color4", "ND_standard_surface_surfaceshader", "ND_normalmap_float",
-      "ND_layer_bsdf", "ND_mix_bsdf", "ND_dielectric_bsdf", "ND_conductor_bsdf", "ND_sheen_bsdf", "ND_uniform_edf", "ND_surface",
-      "ND_place2d_vector2", "ND_tiledimage_color3", "ND_ramplr_color3", "ND_hsvadjust_color3", "ND_contrast_float", "Nonsense",
-      "ND_convert_float_color3", "ND_extract_color3", "ND_rotate3d_vector3", "ND_creatematrix_vector3_matrix33",
-      "ND_transformmatrix_vector3", "ND_position_vector3", "ND_geompropvalue_color3", "ND_ifequal_colorB", "ND_mix_surfaceshader"};
-  const std::vector<std::string> inputs = {"in", "in1", "in2", "fg", "bg", "mix", "diffuseColor", "opacity", "normal", "st", "file",
-                                           "texcoord", "base", "top", "bsdf", "edf", "color", "roughness", "weight", "which",
-                                           "value1", "base_color", "coat", "transmission", "varname", "geomprop", "mat", "tangent"};
+  const std::vector<std::string> kinds = {"UsdPreviewSurface",
+                                          "UsdUVTexture",
+                                          "UsdPrimvarReader_float2",
+                                          "UsdTransform2d",
+                                          "ND_add_color3",
+                                          "ND_mix_float",
+                                          "ND_multiply_vector2",
+                                          "ND_image_color3",
+                                          "ND_noise2d_float",
+                                          "ND_fractal3d_vector3",
+                                          "ND_ifgreater_color3",
+                                          "ND_switch_float",
+                                          "ND_combine3_color3",
+                                          "ND_separate4_color4",
+                                          "ND_standard_surface_surfaceshader",
+                                          "ND_normalmap_float",
+                                          "ND_layer_bsdf",
+                                          "ND_mix_bsdf",
+                                          "ND_dielectric_bsdf",
+                                          "ND_conductor_bsdf",
+                                          "ND_sheen_bsdf",
+                                          "ND_uniform_edf",
+                                          "ND_surface",
+                                          "ND_place2d_vector2",
+                                          "ND_tiledimage_color3",
+                                          "ND_ramplr_color3",
+                                          "ND_hsvadjust_color3",
+                                          "ND_contrast_float",
+                                          "Nonsense",
+                                          "ND_convert_float_color3",
+                                          "ND_extract_color3",
+                                          "ND_rotate3d_vector3",
+                                          "ND_creatematrix_vector3_matrix33",
+                                          "ND_transformmatrix_vector3",
+                                          "ND_position_vector3",
+                                          "ND_geompropvalue_color3",
+                                          "ND_ifequal_colorB",
+                                          "ND_mix_surfaceshader"};
+  const std::vector<std::string> inputs = {"in",           "in1",      "in2",    "fg",         "bg",    "mix",
+                                           "diffuseColor", "opacity",  "normal", "st",         "file",  "texcoord",
+                                           "base",         "top",      "bsdf",   "edf",        "color", "roughness",
+                                           "weight",       "which",    "value1", "base_color", "coat",  "transmission",
+                                           "varname",      "geomprop", "mat",    "tangent"};
   const std::vector<std::string> outputs = {"out", "rgb", "r", "a", "result", "outx", "surface", ""};
   std::mt19937 random(7);
   const auto pick = [&](const std::vector<std::string>& from) { return from[random() % from.size()]; };
@@ -376,10 +430,19 @@ TEST(MaterialGen, FuzzedNetworks) {
     network.path = "/fuzz" + std::to_string(round);
     const int count = 2 + int(random() % 12);
     for (int i = 0; i < count; ++i) {
-      Node node{"/n" + std::to_string(i), i == 0 ? (round % 2 ? "UsdPreviewSurface" : "ND_standard_surface_surfaceshader") : pick(kinds), {}};
+      Node node{"/n" + std::to_string(i),
+                i == 0 ? (round % 2 ? "UsdPreviewSurface" : "ND_standard_surface_surfaceshader") : pick(kinds),
+                {}};
       for (int k = int(random() % 4); k-- > 0;) {
-        const Value values[] = {0.5f, int32_t(random() % 4), true, Color{0.1f, 0.9f, 0.5f}, std::array<float, 2>{1, 2},
-                                std::array<float, 4>{1, 2, 3, 4}, std::string("text"), AssetValue{"a.png", "a.png", ""}, {}};
+        const Value values[] = {0.5f,
+                                int32_t(random() % 4),
+                                true,
+                                Color{0.1f, 0.9f, 0.5f},
+                                std::array<float, 2>{1, 2},
+                                std::array<float, 4>{1, 2, 3, 4},
+                                std::string("text"),
+                                AssetValue{"a.png", "a.png", ""},
+                                {}};
         node.parameters[pick(inputs)] = values[random() % std::size(values)];
       }
       network.nodes.push_back(std::move(node));
@@ -403,8 +466,10 @@ TEST(MaterialGen, ThreadsShareOneGenerator) {
       for (int k = 0; k < 10; ++k) {
         const CompiledMaterial material = RunNetwork(Preview({{"clearcoat", 0.1f * float(k + 1)}})).material;
         std::string error;
-        if (k == 0 && CompileGlsl(material.kernel->surface, "threads", &error).empty()) keys[i] = error;
-        else keys[i] = material.kernel->key;
+        if (k == 0 && CompileGlsl(material.kernel->surface, "threads", &error).empty())
+          keys[i] = error;
+        else
+          keys[i] = material.kernel->key;
       }
     });
   }
@@ -444,9 +509,10 @@ TEST(MaterialGen, MaterialXExamplesCompile) {
         }
         const std::string& source = result.material.kernel->surface;
         const auto ms = [](auto from, auto to) { return std::chrono::duration<double, std::milli>(to - from).count(); };
-        std::cout << file.path().filename().string() << ": " << std::count(source.begin(), source.end(), '\n') << " lines, "
-                  << words * 4 / 1024 << " KiB SPIR-V, " << result.material.kernel->lobes.size() << " lobes, generate "
-                  << ms(start, generated) << " ms, compile " << ms(generated, compiled) << " ms\n";
+        std::cout << file.path().filename().string() << ": " << std::count(source.begin(), source.end(), '\n')
+                  << " lines, " << words * 4 / 1024 << " KiB SPIR-V, " << result.material.kernel->lobes.size()
+                  << " lobes, generate " << ms(start, generated) << " ms, compile " << ms(generated, compiled)
+                  << " ms\n";
       }
     }
   }
@@ -459,7 +525,8 @@ TEST(MaterialGen, MaterialXTestSuiteCompiles) {
   std::set<std::string> unsupported;
   for (const auto& file : std::filesystem::recursive_directory_iterator(root)) {
     if (file.path().extension() != ".mtlx") continue;
-    for (const MaterialNetwork& network : materialgen_test::NetworksOf(file.path().string(), HDWAVEFRONT_MATERIALX_LIBRARIES)) {
+    for (const MaterialNetwork& network :
+         materialgen_test::NetworksOf(file.path().string(), HDWAVEFRONT_MATERIALX_LIBRARIES)) {
       const Result result = RunNetwork(network);
       ExpectCompiles(result.material, file.path().filename().string());
       for (const Message& m : result.messages) {
@@ -482,8 +549,9 @@ TEST(MaterialGen, AllLibraryNodesCompile) {
   }
   // Left to the materials issue. A node that falls out of support, or gains it, changes this list.
   std::set<std::string> expected;
-  for (const char* name : {"chiang_hair_absorption_from_color", "chiang_hair_roughness", "deon_hair_absorption_from_melanin",
-                           "heighttonormal_vector3", "hextiledimage_color3", "hextiledimage_color4", "hextilednormalmap_vector3"}) {
+  for (const char* name :
+       {"chiang_hair_absorption_from_color", "chiang_hair_roughness", "deon_hair_absorption_from_melanin",
+        "heighttonormal_vector3", "hextiledimage_color3", "hextiledimage_color4", "hextilednormalmap_vector3"}) {
     expected.insert("node 'ND_" + std::string(name) + "' is not supported; what reads it shows magenta");
   }
   EXPECT_EQ(unsupported, expected);
@@ -495,9 +563,10 @@ TEST(MaterialGen, Dump) {
   if (!file) GTEST_SKIP() << "set HDWAVEFRONT_DUMP to a .mtlx file to see its kernels";
   for (const MaterialNetwork& network : materialgen_test::NetworksOf(file, HDWAVEFRONT_MATERIALX_LIBRARIES)) {
     const Result result = RunNetwork(network);
-    for (const Message& m : result.messages) std::cout << "// " << m.code << " " << m.location << ": " << m.text << "\n";
-    std::cout << "// " << network.path << " " << result.material.kernel->key << "\n" << result.material.kernel->surface
-              << result.material.kernel->opacity << result.material.kernel->emission;
+    for (const Message& m : result.messages)
+      std::cout << "// " << m.code << " " << m.location << ": " << m.text << "\n";
+    std::cout << "// " << network.path << " " << result.material.kernel->key << "\n"
+              << result.material.kernel->surface << result.material.kernel->opacity << result.material.kernel->emission;
   }
 }
 

@@ -85,7 +85,8 @@ class Reader {
 mx::DocumentPtr Library(const std::string& libraryPath) {
   static const mx::DocumentPtr library = [&] {
     mx::DocumentPtr document = mx::createDocument();
-    mx::loadLibraries({"targets", "stdlib", "pbrlib", "bxdf", "cmlib", "nprlib"}, mx::FileSearchPath(libraryPath), document);
+    mx::loadLibraries({"targets", "stdlib", "pbrlib", "bxdf", "cmlib", "nprlib"}, mx::FileSearchPath(libraryPath),
+                      document);
     return document;
   }();
   return library;
@@ -128,9 +129,10 @@ std::vector<MaterialNetwork> NetworksOfAllNodes(const std::string& libraryPath, 
       if (!sum.empty()) network.connections.push_back({sum, "out", add, "in2"});
       sum = add;
       // The sum so far is the surface's colour.
-      network.connections.erase(std::remove_if(network.connections.begin(), network.connections.end(),
-                                               [](const materialgen::Connection& c) { return c.downstreamNode == "/surface"; }),
-                                network.connections.end());
+      network.connections.erase(
+          std::remove_if(network.connections.begin(), network.connections.end(),
+                         [](const materialgen::Connection& c) { return c.downstreamNode == "/surface"; }),
+          network.connections.end());
       network.connections.push_back({sum, "out", "/surface", "diffuseColor"});
     }
   }
