@@ -176,6 +176,9 @@ def _write_stats(path: str, render: Any, seconds: float) -> None:
 
     stats = dict(render.stats())
     stats["seconds"] = {"total": seconds, "render": render.progress["seconds"], **render.timings}
+    rendering = max(stats["renderSeconds"], 1e-9)
+    stats["mpathsPerSecond"] = stats["paths"] / rendering * 1e-6
+    stats["mraysPerSecond"] = (stats["extensionRays"] + stats["shadowRays"]) / rendering * 1e-6
     stats["hostPeakMemoryBytes"] = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024
     stats["stage"] = render.path
     stats["camera"] = render.camera
