@@ -206,13 +206,25 @@ wavefront::InstanceData GprimStore::MakeInstances(const Gprim& g) const {
     data.transforms.push_back(g.transforms);
     data.instanceIds.push_back(-1);
     AddPrimvars(g, nullptr, data);
+    ChooseDefault(g, data);
     return data;
   }
   const auto instances = instancers_.Flatten(g.instancer, g.prototype);
   data.transforms = InstanceTransforms(g.transforms, *instances, threads_);
   data.instanceIds = instances->indices;
   AddPrimvars(g, instances.get(), data);
+  ChooseDefault(g, data);
   return data;
+}
+
+// Prims without a material wear the core's opaque default, unless something on them says displayOpacity.
+void GprimStore::ChooseDefault(const Gprim& g, wavefront::InstanceData& data) const {
+  const auto isOpacity = [](const auto& primvar) { return primvar.name == "displayOpacity"; };
+  const bool authored = std::any_of(g.input.primvars.begin(), g.input.primvars.end(), isOpacity) ||
+                        std::any_of(data.instancePrimvars.begin(), data.instancePrimvars.end(), isOpacity);
+  if (!authored) return;
+  for (wavefront::MaterialId& id : data.materials)
+    if (id == wavefront::kInvalidId) id = materials_.TranslucentDefault();
 }
 
 void GprimStore::UpdateInstances(Gprim& g, const What& what, bool wanted) {

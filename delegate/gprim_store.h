@@ -81,6 +81,7 @@ class GprimStore {
   void UpdateInstances(Gprim& gprim, const What& what, bool wanted);
   wavefront::InstanceData MakeInstances(const Gprim& gprim) const;
   void AddPrimvars(const Gprim& gprim, const FlatInstances* instances, wavefront::InstanceData& data) const;
+  void ChooseDefault(const Gprim& gprim, wavefront::InstanceData& data) const;
   void Remove(Gprim& gprim);
 
   wavefront::Renderer& renderer_;

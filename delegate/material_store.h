@@ -35,6 +35,9 @@ class MaterialStore {
 
   // kInvalidId: there is no such material (told once), or it shows the default.
   wavefront::MaterialId Id(const std::string& path, const std::string& user);
+  // The default material with displayOpacity, for prims that author it. The core's own default is opaque: that spares the
+  // shadow rays of all others the opacity kernel.
+  wavefront::MaterialId TranslucentDefault() const { return translucentDefault_.id; }
   uint64_t idVersion() const { return idVersion_; }  // grows when a path's id changes
   uint64_t generated() const { return generated_; }
   uint64_t uploaded() const { return uploaded_; }
@@ -79,7 +82,7 @@ class MaterialStore {
   std::vector<wavefront::MaterialId> garbage_;
   std::map<std::string, Kernel> kernels_;
   bool hasDefault_ = false;
-  Material default_;
+  Material default_, translucentDefault_;
   uint64_t textureVersion_ = 0, idVersion_ = 1, generated_ = 0, uploaded_ = 0, compiled_ = 0;
 };
 

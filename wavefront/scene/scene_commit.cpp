@@ -160,6 +160,9 @@ uint32_t SceneStore::BindingFor(const InstanceData& group, const ResidentMesh& m
     put(layout::kNoBucket, layout::kNoBucket, layout::kNoBucket, 0);
   } else {
     put(kernel->surface, kernel->opacity, kernel->emission, material->parameters.first);
+    for (uint32_t bucket : {kernel->surface, kernel->opacity, kernel->emission}) {
+      if (bucket != layout::kNoBucket) usedBuckets_[bucket - layout::kFirstMaterialBucket] = true;
+    }
   }
   put(0, id, primvarCount, 0);
   for (uint32_t p = 0; p < primvarCount; ++p) {
@@ -184,6 +187,7 @@ Status SceneStore::RebuildInstances(uint32_t threads, const DiagnosticSink& sink
   lightDistribution_.Free(distributionRange_);
   instancePrimvarRange_ = tlasRange_ = instanceRange_ = bindingRange_ = lightRange_ = itemRange_ = distributionRange_ = {};
   bindingTexels_.clear();
+  usedBuckets_.assign(materials.buckets().size(), false);
   bindingCache_.clear();
 
   // Order by path, never by arrival; equal paths (a mesh in several groups) by mesh id of creation order within a path.

@@ -41,6 +41,8 @@ class SceneStore {
   Status Commit(uint32_t threads, const DiagnosticSink& sink, bool* changed);
   Status Bind(vulkan::DescriptorSet& set);
   const SceneFacts& facts() const { return facts_; }
+  // By bucket number less kFirstMaterialBucket: does any instance of the committed scene use it?
+  const std::vector<bool>& usedBuckets() const { return usedBuckets_; }
 
  private:
   Status RebuildInstances(uint32_t threads, const DiagnosticSink& sink);
@@ -58,6 +60,7 @@ class SceneStore {
   Range instanceRange_, bindingRange_, bindingIndexRange_, instancePrimvarRange_, tlasRange_, lightRange_, itemRange_, distributionRange_;
   std::vector<uint32_t> bindingTexels_;                 // being built
   std::map<std::vector<uint64_t>, uint32_t> bindingCache_;  // while building
+  std::vector<bool> usedBuckets_;
   SceneFacts facts_;
 };
 

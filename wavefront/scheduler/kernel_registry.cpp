@@ -77,32 +77,35 @@ Status KernelRegistry::WarmUp(const vulkan::ComputePipeline& pipeline, KernelTim
   return {};
 }
 
-Status KernelRegistry::AddBuckets(const std::vector<Bucket>& buckets, unsigned threads, vulkan::CommandStream& stream, const vulkan::DescriptorSet& set) {
+Status KernelRegistry::AddBuckets(const std::vector<Bucket>& buckets, const std::vector<bool>& used, unsigned threads,
+                                  vulkan::CommandStream& stream, const vulkan::DescriptorSet& set) {
   if (!fixedWarm_) {
     for (uint32_t k = 0; k < kKernelCount; ++k) {
       if (Status s = WarmUp(*fixed_[k], times_[k], stream, set); !s) return s;
     }
     fixedWarm_ = true;
   }
-  const std::size_t first = buckets_.size();
-  if (buckets.size() <= first) return {};
-  const std::size_t count = buckets.size() - first;
-  std::vector<std::unique_ptr<vulkan::ComputePipeline>> made(count);
-  std::vector<Error> errors(count);
-  ParallelFor(count, threads, [&](std::size_t i) {
-    const Bucket& bucket = buckets[first + i];
-    auto pipeline = vulkan::ComputePipeline::Create(device_, *layout_, {bucket.spirv, "main", {}, bucket.kernelKey + ":" + EntryName(bucket.entry)});
-    if (pipeline.ok()) made[i] = std::move(pipeline).value();
+  for (std::size_t b = buckets_.size(); b < buckets.size(); ++b) {
+    KernelTimes times;
+    times.name = "material:" + buckets[b].kernelKey + ":" + EntryName(buckets[b].entry);
+    times_.push_back(times);
+  }
+  buckets_.resize(buckets.size());
+  std::vector<std::size_t> wanted;
+  for (std::size_t b = 0; b < buckets.size(); ++b) if (used[b] && !buckets_[b]) wanted.push_back(b);
+  std::vector<Error> errors(wanted.size());
+  ParallelFor(wanted.size(), threads, [&](std::size_t i) {
+    const std::size_t b = wanted[i];
+    auto pipeline = vulkan::ComputePipeline::Create(device_, *layout_, {buckets[b].spirv, "main", {}, times_[kKernelCount + b].name});
+    if (pipeline.ok()) buckets_[b] = std::move(pipeline).value();
     else errors[i] = pipeline.error();
   });
-  for (std::size_t i = 0; i < count; ++i) {
-    if (!made[i]) return Error{"material kernel " + buckets[first + i].kernelKey + ": " + errors[i].message};
-    KernelTimes times;
-    times.name = "material:" + buckets[first + i].kernelKey + ":" + EntryName(buckets[first + i].entry);
-    times.createSeconds = made[i]->creationSeconds();
-    if (Status s = WarmUp(*made[i], times, stream, set); !s) return s;
-    times_.push_back(times);
-    buckets_.push_back(std::move(made[i]));
+  for (std::size_t i = 0; i < wanted.size(); ++i) {
+    const std::size_t b = wanted[i];
+    KernelTimes& times = times_[kKernelCount + b];
+    if (!buckets_[b]) return Error{times.name + ": " + errors[i].message};
+    times.createSeconds = buckets_[b]->creationSeconds();
+    if (Status s = WarmUp(*buckets_[b], times, stream, set); !s) return s;
   }
   return {};
 }

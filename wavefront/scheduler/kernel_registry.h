@@ -35,12 +35,13 @@ class KernelRegistry {
 
   const vulkan::PipelineLayout& layout() const { return *layout_; }
   const vulkan::ComputePipeline& fixed(Kernel kernel) const { return *fixed_[static_cast<uint32_t>(kernel)]; }
-  const vulkan::ComputePipeline& bucket(uint32_t index) const { return *buckets_[index]; }
-  uint32_t bucketCount() const { return static_cast<uint32_t>(buckets_.size()); }
+  // Null: nothing has used that bucket yet.
+  const vulkan::ComputePipeline* bucket(uint32_t index) const { return buckets_[index].get(); }
 
-  // Pipelines for buckets that have none yet, created on `threads` threads, then dispatched once with no work: that
-  // is where lavapipe compiles.
-  Status AddBuckets(const std::vector<Bucket>& buckets, unsigned threads, vulkan::CommandStream& stream, const vulkan::DescriptorSet& set);
+  // Pipelines for used buckets that have none yet, created on `threads` threads, then dispatched once with no work:
+  // that is where lavapipe compiles. A bucket that no instance uses costs nothing.
+  Status AddBuckets(const std::vector<Bucket>& buckets, const std::vector<bool>& used, unsigned threads,
+                    vulkan::CommandStream& stream, const vulkan::DescriptorSet& set);
 
   // Times by profiler row: fixed kernels, then buckets.
   std::vector<KernelTimes>& times() { return times_; }

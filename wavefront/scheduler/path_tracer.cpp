@@ -108,7 +108,7 @@ Status PathTracer::Configure(const RenderSettings& settings, const CameraData& c
     if (!s) return s;
   }
   if (Status s = WriteFrameConstants(); !s) return s;
-  return kernels_->AddBuckets(scene.materials.buckets(), threads, *stream_, *set_);
+  return kernels_->AddBuckets(scene.materials.buckets(), scene.usedBuckets(), threads, *stream_, *set_);
 }
 
 Status PathTracer::WriteFrameConstants() {
@@ -201,8 +201,9 @@ void PathTracer::RecordIteration(std::vector<uint32_t>* rows) {
   stamp(row(Kernel::NewPath));
   for (uint32_t b = 0; b + kFirstMaterialBucket < bucketCount_; ++b) {
     const uint32_t bucket = b + kFirstMaterialBucket;
+    if (kernels_->bucket(b) == nullptr) continue;
     const uint32_t push[4] = {bucket, 0, 0, 0};
-    stream_->BindPipeline(kernels_->bucket(b));
+    stream_->BindPipeline(*kernels_->bucket(b));
     stream_->PushConstants(std::as_bytes(std::span(push)));
     stream_->DispatchIndirect(*counters_, 4ull * (kBucketBase + static_cast<uint64_t>(bucket) * kBucketStride + kBucketArgs));
     stamp(kKernelCount + b);
