@@ -43,6 +43,26 @@ double ShapeArea(LightType type, const Matrix4d& m) {
   }
 }
 
+// A dome is infinitely far: only its rotation counts. World-to-light rows of the frame that keeps the pole (+Y) and the
+// side of +Z of a transform that scales or shears; mirrors stay mirrors.
+Rows DomeRotation(const Matrix4d& m) {
+  double y[3], z[3];
+  const double ly = Length(m, 1);
+  double along = 0, lz = 0;
+  for (int c = 0; c < 3; ++c) { y[c] = m.m[1][c] / ly; along += y[c] * m.m[2][c]; }
+  for (int c = 0; c < 3; ++c) { z[c] = m.m[2][c] - along * y[c]; lz += z[c] * z[c]; }
+  for (double& c : z) c /= std::sqrt(lz);
+  const double side = Determinant3(m) < 0 ? -1 : 1;
+  float axes[3][3];
+  for (int c = 0; c < 3; ++c) {
+    const double x = side * (y[(c + 1) % 3] * z[(c + 2) % 3] - y[(c + 2) % 3] * z[(c + 1) % 3]);
+    axes[0][c] = static_cast<float>(x);
+    axes[1][c] = static_cast<float>(y[c]);
+    axes[2][c] = static_cast<float>(z[c]);
+  }
+  return {Float4{axes[0][0], axes[0][1], axes[0][2], 0}, Float4{axes[1][0], axes[1][1], axes[1][2], 0}, Float4{axes[2][0], axes[2][1], axes[2][2], 0}};
+}
+
 // Marginal and conditional CDFs over luminance * sin(theta); appended to the distribution. Returns the mean luminance.
 double AppendDomeMap(const FloatImage& image, std::vector<float>* out) {
   const uint32_t w = image.width, h = image.height;
@@ -136,6 +156,7 @@ LightTable BuildLightTable(std::vector<LightData> lights, std::vector<EmissiveTr
     uint32_t distribution = layout::kNoStream, texture = light.texture;
     if (texture != kInvalidId && !textures.Has(texture)) texture = kInvalidId;
     if (light.type == LightType::Dome) {
+      worldToLight = DomeRotation(transform);
       if (texture != kInvalidId) {
         auto image = textures.ReadLevel(texture, kDomeMapSide);
         if (image.ok()) {
@@ -165,12 +186,14 @@ LightTable BuildLightTable(std::vector<LightData> lights, std::vector<EmissiveTr
     uint32_t flags = (light.visibleToCamera ? layout::kLightFlagCameraVisible : 0u) | (light.castsShadows ? layout::kLightFlagShadows : 0u);
     if (Determinant3(sized) < 0) flags |= layout::kLightFlagMirrored;
     const double lx = Length(sized, 0), ly = Length(sized, 1), lz = Length(sized, 2), largest = std::max({lx, ly, lz});
-    auto orthogonal = [&](int a, int b) {
+    auto orthogonalRelative = [&](int a, int b, double lengths) {
       double d = 0;
       for (int c = 0; c < 3; ++c) d += sized.m[a][c] * sized.m[b][c];
-      return std::abs(d) <= 1e-5 * largest * largest;
+      return std::abs(d) <= 1e-5 * lengths;
     };
+    auto orthogonal = [&](int a, int b) { return orthogonalRelative(a, b, largest * largest); };
     if (std::max({std::abs(lx - ly), std::abs(ly - lz)}) <= 1e-5 * largest && orthogonal(0, 1) && orthogonal(1, 2) && orthogonal(0, 2)) flags |= layout::kLightFlagUniform;
+    if (lx > 0 && ly > 0 && orthogonalRelative(0, 1, lx * ly)) flags |= layout::kLightFlagRectangular;
     const Rows shape = ToRows(sized, origin);
     const float cutoff = std::clamp(light.coneAngle, 0.0f, 6.2831853f);
     const float start = cutoff * (1.0f - std::clamp(light.coneSoftness, 0.0f, 1.0f));
@@ -199,6 +222,7 @@ LightTable BuildLightTable(std::vector<LightData> lights, std::vector<EmissiveTr
   if (shining == 0) {
     // Nothing shines: items stay, so that indices hold, but none is ever picked.
     for (EmissiveTriangles& e : emissive) e.itemBase = layout::kNoLight;
+    for (uint32_t l = 0; l < table.lightCount; ++l) table.records[l * layout::kLightTexels + 9].w = std::bit_cast<float>(layout::kNoStream);
     return table;
   }
   std::vector<double> cdf{0.0};

@@ -90,6 +90,7 @@ WF_CONST(kLightFlagCameraVisible, 1u)
 WF_CONST(kLightFlagShadows, 2u)
 WF_CONST(kLightFlagMirrored, 4u)      // negative determinant
 WF_CONST(kLightFlagUniform, 8u)       // uniform scale: spheres are sampled by solid angle
+WF_CONST(kLightFlagRectangular, 16u)  // x and y stay perpendicular: rect lights are sampled by solid angle
 
 // ---- Light item: 1 texel (uvec4): what the light distribution selects ----------------------------------------
 // analytic: x = light index, y = kNoLight, z = probability (float bits), w = 0

@@ -54,18 +54,19 @@ LightSample sampleDome(Light l, vec2 u) {
                    (float(y) + (y1 > y0 ? (u.y - y0) / (y1 - y0) : 0.5)) / float(height));
     d = domeDirection(uv);
   }
-  // Light space to world: rows w hold world-to-light; for a rotation (and uniform scale) its transpose goes back.
+  // Light space to world: rows w hold a dome's rotation only, whose transpose goes back.
   s.direction = normalize(d.x * l.w0.xyz + d.y * l.w1.xyz + d.z * l.w2.xyz);
   s.pdf = domePdf(l, s.direction);
   return s;
 }
 
-// Distant light: uniform in a cone about the direction it comes from (+Z of light space).
-vec3 distantAxis(Light l) { return normalize(l.w2.xyz); }
+// Distant light: uniform in a cone about the direction it comes from (+Z of light space, taken to the world as a vector).
+vec3 distantAxis(Light l) { return normalize(lightColumn(l, 2)); }
 float distantPdf(Light l, vec3 wi) {
   // 1 - cos from the chord: stable for the sun's half degree.
   vec3 c = wi - distantAxis(l);
-  return 0.5 * dot(c, c) <= l.solidAngle * 0.15915494309 * 1.0001 ? 1.0 / l.solidAngle : 0.0;
+  float k = l.solidAngle * 0.15915494309;
+  return 0.5 * dot(c, c) <= k * 1.0001 + 4e-7 * sqrt(k) ? 1.0 / l.solidAngle : 0.0;  // directions are rounded, too
 }
 LightSample sampleDistant(Light l, vec2 u) {
   LightSample s;

@@ -5,7 +5,7 @@
 #define WAVEFRONT_LIGHTS_LIGHT_TABLE_GLSL
 #include "lib/lights/shapes.glsl"
 #include "lib/lights/infinite.glsl"
-#include "lib/geometry.glsl"
+#include "lib/records.glsl"
 #include "lib/mis.glsl"
 
 uint pickLightItem(float u) { return searchCdf(0u, frame.lightItemCount, u); }

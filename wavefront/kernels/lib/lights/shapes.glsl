@@ -6,6 +6,7 @@
 #define WAVEFRONT_LIGHTS_SHAPES_GLSL
 #include "lib/lights/record.glsl"
 #include "lib/lights/emission.glsl"
+#include "lib/lights/rect.glsl"
 #include "lib/camera.glsl"
 
 const float kPi = 3.14159265358979;
@@ -34,7 +35,28 @@ float sphereSin2(Light l, vec3 p) {
   float s2 = dot(c, c) / dot(d, d);
   return s2 < 0.9999 ? s2 : 0.0;
 }
-float unitArea(uint type) { return type == kLightRect ? 1.0 : (type == kLightDisk ? kPi : (type == kLightSphere ? 4.0 * kPi : 2.0 * kPi)); }
+// A point in the space of the unit shape.
+vec3 unitSpacePoint(Light l, vec3 p) {
+  vec3 c0 = lightColumn(l, 0), c1 = lightColumn(l, 1), c2 = lightColumn(l, 2);
+  vec3 a = cross(c1, c2);
+  vec3 d = p - lightPoint(l, vec3(0.0));
+  return vec3(dot(a, d), dot(cross(c2, c0), d), dot(cross(c0, c1), d)) / dot(c0, a);
+}
+// Half angle of the cylinder's arc that faces a point at this distance from its axis; both in the unit shape's space, where
+// what faces what is the same as in the world.
+float cylinderArc(float distance) {
+  float c = 1.0 / distance;
+  return acosWithSin2(c, 1.0 - c * c);
+}
+// Area of the part of the unit shape that is sampled from p: what faces it. 0: p is inside.
+float sampledUnitArea(Light l, vec3 p) {
+  if (l.type == kLightRect) return 1.0;
+  if (l.type == kLightDisk) return kPi;
+  vec3 q = unitSpacePoint(l, p);
+  bool sphere = l.type == kLightSphere;
+  float d = length(sphere ? q : vec3(0.0, q.yz));
+  return d > 1.0 ? (sphere ? 6.28318530718 * ((d - 1.0) / d) : 2.0 * cylinderArc(d)) : 0.0;
+}
 vec3 unitNormal(uint type, vec3 unitPoint) {
   if (type == kLightSphere) return unitPoint;
   if (type == kLightCylinder) return vec3(0.0, unitPoint.yz);
@@ -48,11 +70,13 @@ vec3 lightShapePoint(uint kind, vec3 p) {
   return vec3(p.xy, 0.0);
 }
 
+bool isSphericalRect(Light l) { return l.type == kLightRect && (l.flags & kLightFlagRectangular) != 0u; }
+
 // Area pdf turned to solid angle for a point on the unit shape; 0 where its back is seen.
-float shapePdf(Light l, vec3 unitPoint, vec3 wi, float distance) {
+float shapePdf(Light l, vec3 p, vec3 unitPoint, vec3 wi, float distance) {
   vec3 area = lightAreaVector(l, unitNormal(l.type, unitPoint));
-  float projected = -dot(area, wi);   // |stretch| * cos at the light
-  return projected > 0.0 ? distance * distance / (unitArea(l.type) * projected) : 0.0;
+  float projected = -dot(area, wi) * sampledUnitArea(l, p);   // |stretch| * cos at the light * area
+  return projected > 0.0 ? distance * distance / projected : 0.0;
 }
 
 LightSample sampleShape(Light l, vec3 p, vec2 u) {
@@ -80,15 +104,37 @@ LightSample sampleShape(Light l, vec3 p, vec2 u) {
     s.pdf = 1.0 / (6.28318530718 * k);
     return s;
   }
+  if (isSphericalRect(l)) {
+    SphericalRect r = sphericalRect(l, p);
+    if (r.solidAngle > 0.0) {
+      vec3 q = sampleSphericalRect(r, u);
+      s.distance = length(q);
+      s.direction = (q.x * r.x + q.y * r.y + q.z * r.z) / s.distance;
+      s.unitPoint = vec3((q.x - r.x0) / (r.x1 - r.x0) - 0.5, (q.y - r.y0) / (r.y1 - r.y0) - 0.5, 0.0);
+      s.pdf = shapePdf(l, p, s.unitPoint, s.direction, s.distance) > 0.0 ? 1.0 / r.solidAngle : 0.0;
+      return s;
+    }
+  }
   vec3 q = vec3(u.x - 0.5, u.y - 0.5, 0.0);
   if (l.type == kLightDisk) {
     q = vec3(sampleDisk(u), 0.0);
   } else if (l.type == kLightSphere) {
-    float z = 1.0 - 2.0 * u.x;
-    float r = sqrt(max(0.0, 1.0 - z * z));
-    q = vec3(r * cos(6.28318530718 * u.y), r * sin(6.28318530718 * u.y), z);
+    // The cap that faces p.
+    vec3 axis = unitSpacePoint(l, p);
+    float far = length(axis);
+    if (!(far > 1.0)) return s;
+    axis /= far;
+    vec3 x = abs(axis.z) > 0.9 ? vec3(0.0, 1.0, 0.0) : vec3(0.0, 0.0, 1.0);
+    x = normalize(x - axis * dot(x, axis));
+    vec3 local = sampleCone(u, (far - 1.0) / far);
+    q = x * local.x + cross(axis, x) * local.y + axis * local.z;
   } else if (l.type == kLightCylinder) {
-    q = vec3(u.x - 0.5, cos(6.28318530718 * u.y), sin(6.28318530718 * u.y));
+    vec3 pUnit = unitSpacePoint(l, p);
+    float far = length(pUnit.yz);
+    if (!(far > 1.0)) return s;
+    float phi = (2.0 * u.y - 1.0) * cylinderArc(far);
+    vec2 axis = pUnit.yz / far;
+    q = vec3(u.x - 0.5, cos(phi) * axis + sin(phi) * vec2(-axis.y, axis.x));
   }
   vec3 d = lightPoint(l, q) - p;
   float d2 = dot(d, d);
@@ -96,7 +142,7 @@ LightSample sampleShape(Light l, vec3 p, vec2 u) {
   s.distance = sqrt(d2);
   s.direction = d / s.distance;
   s.unitPoint = q;
-  s.pdf = shapePdf(l, q, s.direction, s.distance);
+  s.pdf = shapePdf(l, p, q, s.direction, s.distance);
   return s;
 }
 
@@ -104,6 +150,11 @@ LightSample sampleShape(Light l, vec3 p, vec2 u) {
 float shapeHitPdf(Light l, vec3 p, vec3 wi, float distance, vec3 unitPoint) {
   float sin2 = sphereSin2(l, p);
   if (sin2 > 0.0) return dot(lightAreaVector(l, unitPoint), wi) < 0.0 ? 1.0 / (6.28318530718 * oneMinusCosFromSin2(sin2)) : 0.0;
-  return shapePdf(l, unitPoint, wi, distance);
+  float pdf = shapePdf(l, p, unitPoint, wi, distance);
+  if (isSphericalRect(l) && pdf > 0.0) {
+    SphericalRect r = sphericalRect(l, p);
+    if (r.solidAngle > 0.0) return 1.0 / r.solidAngle;
+  }
+  return pdf;
 }
 #endif
