@@ -41,7 +41,7 @@ struct RendererOptions {
   DiagnosticSink diagnostics;  // may be called from any thread
 };
 
-// What one render is made of. The image is a pure function of (scene, camera, these but poolSize and samplesPerBatch).
+// What one render is made of. The image is a pure function of (scene, camera, these but poolSize, samplesPerBatch, bandRows).
 struct RenderSettings {
   uint32_t width = 0, height = 0;
   uint32_t firstSample = 0, samples = 64;  // the range [firstSample, firstSample + samples)
@@ -51,6 +51,7 @@ struct RenderSettings {
   uint32_t seed = 0;
   uint32_t poolSize = 0;                   // paths; 0: what suits the device
   uint32_t samplesPerBatch = 0;            // samples in flight together; 0: what suits the pool
+  uint32_t bandRows = 0;                   // rows of the image held on the device at a time; 0: as many as fit
   float radianceClamp = 0;                 // 0: only the film's stated limit
   bool cameraVisibleDome = true;           // dome lights seen by camera rays
   bool shadows = true;

@@ -92,7 +92,7 @@ Status KernelRegistry::AddBuckets(const std::vector<Bucket>& buckets, const std:
   }
   buckets_.resize(buckets.size());
   std::vector<std::size_t> wanted;
-  for (std::size_t b = 0; b < buckets.size(); ++b) if (used[b] && !buckets_[b]) wanted.push_back(b);
+  for (std::size_t b = 0; b < buckets.size(); ++b) if (b < used.size() && used[b] && !buckets_[b]) wanted.push_back(b);
   std::vector<Error> errors(wanted.size());
   ParallelFor(wanted.size(), threads, [&](std::size_t i) {
     const std::size_t b = wanted[i];

@@ -26,6 +26,7 @@ constexpr uint32_t kPathChunks = 0
 #include "wavefront/shared/path_state.def"
 #undef WAVEFRONT_PATH_CHUNK
     ;
+static_assert(kQueueBase + kQueueCount * kQueueStride <= kPathsDoneLo, "queue counters run into what follows");
 static_assert(kPathChunks <= 16, "512K paths must fit one storage-buffer binding of 128 MiB");
 constexpr uint32_t kChunkIds = 6;
 
@@ -84,6 +85,7 @@ Status PathTracer::Configure(const RenderSettings& settings, const CameraData& c
   const uint64_t rows = range / rowBytes;
   if (rows == 0) return Error{"the image is too wide for this device's buffers: " + std::to_string(settings.width) + " pixels"};
   bandRows_ = static_cast<uint32_t>(std::min<uint64_t>(rows, settings.height));
+  if (settings.bandRows != 0) bandRows_ = std::min(bandRows_, settings.bandRows);
   band_ = 0;
   const uint64_t pixels = static_cast<uint64_t>(settings.width) * bandRows_;
   if (pixels > 0x3fffffffu) return Error{"the image is too large"};
@@ -194,6 +196,14 @@ void PathTracer::RecordIteration(std::vector<uint32_t>* rows) {
   };
   direct(Kernel::Logic, poolGroups);
   direct(Kernel::ScanBuckets, 1);
+  auto queue = [&](Kernel k, Queue q) {
+    stream_->BindPipeline(kernels_->fixed(k));
+    stream_->DispatchIndirect(*counters_, 4ull * (kQueueBase + static_cast<uint32_t>(q) * kQueueStride + kQueueArgs));
+    stamp(row(k));
+  };
+  // Side by side: they touch different paths, and the sort touches none.
+  queue(Kernel::LightSample, Queue::LightSample);
+  queue(Kernel::Escape, Queue::Escape);
   direct(Kernel::Scatter, poolGroups);
   // New paths and all materials between two barriers.
   stream_->BindPipeline(kernels_->fixed(Kernel::NewPath));
@@ -210,15 +220,10 @@ void PathTracer::RecordIteration(std::vector<uint32_t>* rows) {
   }
   stream_->Barrier();
   direct(Kernel::ResetBuckets, (std::max(bucketCount_, 2u) + 63) / 64);
-  auto rays = [&](Kernel k, uint32_t queue) {
-    stream_->BindPipeline(kernels_->fixed(k));
-    stream_->DispatchIndirect(*counters_, 4ull * (kQueueBase + queue * kQueueStride + kQueueArgs));
-    stamp(row(k));
-  };
-  rays(Kernel::ExtensionRay, 0);
+  queue(Kernel::ExtensionRay, Queue::ExtensionRay);
   // The shadow kernel changes Ids, which the extension kernel reads: not side by side.
   stream_->Barrier();
-  rays(Kernel::ShadowRay, 1);
+  queue(Kernel::ShadowRay, Queue::ShadowRay);
   stream_->Barrier();
 }
 
@@ -299,10 +304,10 @@ void PathTracer::ReadStatus(const uint32_t* c) {
   status_.pathsStarted = before_.pathsStarted + u64(kPathsDoneLo);
   status_.iterations = before_.iterations + c[kIterations];
   status_.drained = c[kActivePaths] == 0 && c[kWorkSample] >= c[kWorkEndSample] && c[kWorkEndSample] == batchEnd_ && c[kIterations] != 0;
-  status_.extensionRays = before_.extensionRays + u64(kQueueBase + kQueueItemsLo);
-  status_.shadowRays = before_.shadowRays + u64(kQueueBase + kQueueStride + kQueueItemsLo);
-  status_.extensionPeak = std::max(before_.extensionPeak, c[kQueueBase + kQueuePeak]);
-  status_.shadowPeak = std::max(before_.shadowPeak, c[kQueueBase + kQueueStride + kQueuePeak]);
+  for (uint32_t q = 0; q < kQueueCount; ++q) {
+    status_.queueItems[q] = before_.queueItems[q] + u64(kQueueBase + q * kQueueStride + kQueueItemsLo);
+    status_.queuePeak[q] = std::max(before_.queuePeak[q], c[kQueueBase + q * kQueueStride + kQueuePeak]);
+  }
   status_.bucketItems.resize(bucketCount_);
   for (uint32_t b = 0; b < bucketCount_; ++b) {
     const uint64_t earlier = b < before_.bucketItems.size() ? before_.bucketItems[b] : 0;

@@ -3,6 +3,7 @@
 #include "wavefront/scheduler/renderer_impl.h"
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <cstring>
 
@@ -12,6 +13,17 @@
 
 namespace wavefront {
 namespace {
+
+// As statistics name the queues: the row's name, first letter small.
+std::string QueueName(std::string name) {
+  name[0] = static_cast<char>(std::tolower(static_cast<unsigned char>(name[0])));
+  return name;
+}
+const std::string kQueueNames[] = {
+#define WAVEFRONT_QUEUE(Name, index, doc) QueueName(#Name),
+#include "wavefront/shared/queues.def"
+#undef WAVEFRONT_QUEUE
+};
 
 // Equal values must not restart a render, so settings and cameras are compared field by field.
 bool SameCamera(const CameraData& a, const CameraData& b) {
@@ -28,7 +40,7 @@ bool SameCamera(const CameraData& a, const CameraData& b) {
 bool SameSettings(const RenderSettings& a, const RenderSettings& b) {
   auto tie = [](const RenderSettings& s) {
     return std::tie(s.width, s.height, s.firstSample, s.samples, s.maxBounces, s.rouletteBounce, s.maxTransparency, s.seed, s.poolSize,
-                    s.samplesPerBatch, s.radianceClamp, s.cameraVisibleDome, s.shadows, s.aovs);
+                    s.samplesPerBatch, s.bandRows, s.radianceClamp, s.cameraVisibleDome, s.shadows, s.aovs);
   };
   return tie(a) == tie(b);
 }
@@ -250,21 +262,24 @@ void RendererImpl::Publish() {
   items(Kernel::Logic, loop.iterations * tracer_->poolSize());
   items(Kernel::Scatter, loop.iterations * tracer_->poolSize());
   items(Kernel::NewPath, loop.pathsStarted);
-  items(Kernel::ExtensionRay, loop.extensionRays);
-  items(Kernel::ShadowRay, loop.shadowRays);
+  auto queued = [&](Queue q) { return loop.queueItems[static_cast<uint32_t>(q)]; };
+  items(Kernel::LightSample, queued(Queue::LightSample));
+  items(Kernel::Escape, queued(Queue::Escape));
+  items(Kernel::ExtensionRay, queued(Queue::ExtensionRay));
+  items(Kernel::ShadowRay, queued(Queue::ShadowRay));
   for (std::size_t b = layout::kFirstMaterialBucket; b < loop.bucketItems.size(); ++b) {
     const std::size_t row = kKernelCount + b - layout::kFirstMaterialBucket;
     if (row < s.kernels.size()) s.kernels[row].items = loop.bucketItems[b];
   }
-  s.queues = {{"newPath", loop.pathsStarted, 0}, {"extensionRay", loop.extensionRays, loop.extensionPeak}, {"shadowRay", loop.shadowRays, loop.shadowPeak}};
+  s.queues = {{"newPath", loop.pathsStarted, 0}};
+  for (uint32_t q = 0; q < kQueueCount; ++q) s.queues.push_back({kQueueNames[q], loop.queueItems[q], loop.queuePeak[q]});
   for (std::size_t b = layout::kFirstMaterialBucket; b < loop.bucketItems.size(); ++b) {
     const std::size_t row = kKernelCount + b - layout::kFirstMaterialBucket;
     if (row < s.kernels.size()) s.queues.push_back({s.kernels[row].name, loop.bucketItems[b], 0});
   }
   s.paths = loop.pathsStarted - std::min(loop.pathsStarted, loop.active);
-  s.segments = loop.extensionRays;
-  s.extensionRays = loop.extensionRays;
-  s.shadowRays = loop.shadowRays;
+  s.segments = s.extensionRays = queued(Queue::ExtensionRay);
+  s.shadowRays = queued(Queue::ShadowRay);
   s.iterations = loop.iterations;
   s.submits = tracer_->submits();
   s.commitSeconds = commitSeconds_;
