@@ -448,6 +448,24 @@ def PointInstancer "pi" {
     assert len(in_points) == 1 and len(delegate.told[in_points[0]]["transforms"]) == 1
 
 
+def test_lights_that_the_camera_shall_not_see(translated):
+    """UsdLux has no attribute for it; the ones that stages carry are understood, and the first one found counts."""
+    delegate, _ = translated(
+        """
+def SphereLight "plain" {}
+def SphereLight "usd" { custom bool inputs:visibility:camera = 0; bool primvars:arnold:visibility:camera = 1 }
+def SphereLight "arnold" { bool primvars:arnold:visibility:camera = 0 }
+def SphereLight "renderman" { int primvars:ri:attributes:visibility:camera = 0 }
+def SphereLight "seen" { float primvars:arnold:camera = 1 }
+def SphereLight "odd" { string primvars:arnold:camera = "no" }
+"""
+    )
+    seen = {name: delegate.told["/" + name]["params"].get("visibleToCamera") for name in ("plain", "usd", "arnold")}
+    assert seen == {"plain": None, "usd": False, "arnold": False}
+    seen = {name: delegate.told["/" + name]["params"].get("visibleToCamera") for name in ("renderman", "seen", "odd")}
+    assert seen == {"renderman": False, "seen": True, "odd": None}
+
+
 def test_lights_come_raw(translated):
     delegate, diagnostics = translated(
         """

@@ -33,6 +33,14 @@ _FLOATS = (
     "length",
     "angle",
 )
+# UsdLux has no word on whether the camera sees a light, and stages say it by their renderers' names. Seen unless one of
+# these is authored and false; the first one found counts.
+_CAMERA_VISIBILITY = (
+    "inputs:visibility:camera",
+    "primvars:arnold:visibility:camera",
+    "primvars:arnold:camera",
+    "primvars:ri:attributes:visibility:camera",
+)
 _SHAPING_FLOATS = ("shaping:cone:angle", "shaping:cone:softness", "shaping:focus")
 
 
@@ -117,6 +125,12 @@ def light_params(translation: Translation, prim: Usd.Prim, path: str) -> Update:
     shadow = _input(prim, "shadow:enable", time)
     if shadow is not None:
         params["shadow:enable"] = bool(shadow)
+    for name in _CAMERA_VISIBILITY:
+        attribute = prim.GetAttribute(name)
+        value = attribute.Get(time) if attribute else None
+        if isinstance(value, (bool, int, float)):
+            params["visibleToCamera"] = bool(value)
+            break
     if type_name.startswith("DomeLight"):
         params["poleAxis"] = _pole_axis(prim, type_name)
     params.update(_shaping(translation, prim))
