@@ -74,6 +74,7 @@ class Case:
     path: Path
     data: dict[str, Any]
     images: dict[str, Image] = field(default_factory=dict)
+    last: Any = None  # the render before: the next variant goes on with its delegate, as frames do
 
     @classmethod
     def load(cls, path: Path) -> Case:
@@ -91,7 +92,7 @@ class Case:
             options |= self.data["variants"][variant] if variant else {}
             wanted = {c.get("aov", "color") for c in self.data["checks"]} - {"color"}
             options["aovs"] = sorted(wanted | set(options.get("aovs", ())))
-            self.images[variant] = render(self.path / "scene.usda", options)
+            self.images[variant], self.last = render(self.path / "scene.usda", options, self.last)
         return self.images[variant]
 
     def region(self, check: Mapping[str, Any]) -> np.ndarray:
@@ -105,8 +106,11 @@ class Case:
         return part
 
 
-def render(scene: Path, options: dict[str, Any]) -> Image:
-    """Renders one image. Any validation message or error flag fails the test; diagnostics are for the caller."""
+def render(scene: Path, options: dict[str, Any], before: Any = None) -> tuple[Image, Any]:
+    """Renders one image, with the delegate of the render `before` where there is one: what differs is an edit.
+
+    Any validation message or error flag fails the test; diagnostics are for the caller.
+    """
     import hdwavefront
     from hdwavefront.api import core
 
@@ -116,7 +120,13 @@ def render(scene: Path, options: dict[str, Any]) -> Image:
     for name in ("ocio", "session_layer"):
         if options.get(name):
             options[name] = str(scene.parent / options[name])
+    if before is not None:
+        options["delegate"] = before.delegate
+        settings = {row["token"]: row["default"] for row in core().render_settings()} | settings
+        settings["domeLightCameraVisibility"] = options.get("dome_visible", False)
     result = hdwavefront.open(str(scene), settings=settings, camera_light=options.pop("camera_light", False), **options)
+    if before is not None:
+        result._sink = before._sink  # knows which prims are to go
     result.start()
     assert result.wait(300), "the render does not end"
     stats = result.stats()
@@ -130,7 +140,7 @@ def render(scene: Path, options: dict[str, Any]) -> Image:
         result.camera,
     )
     assert np.isfinite(image.aovs["color"]).all()
-    return image
+    return image, result
 
 
 def check_case(case: Case, check: Mapping[str, Any]) -> None:
@@ -190,7 +200,9 @@ def judge_same(case: Case, check: Mapping[str, Any], pixels: np.ndarray, channel
         other = other[..., ["rgba".index(c) for c in channels]]
     difference = np.abs(pixels - other)
     limit = 0.0 if bits else check.get("within", check.get("tolerance", DEFAULT_TOLERANCE) * np.abs(other).max())
-    assert (difference <= limit).all(), f"{what}: differs by {difference.max()} at {int((difference > limit).sum())} places"
+    assert (difference <= limit).all(), (
+        f"{what}: differs by {difference.max()} at {int((difference > limit).sum())} places"
+    )
     assert np.ptp(pixels) > 0, f"{what}: an even image compares nothing"
 
 
