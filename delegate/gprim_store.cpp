@@ -69,8 +69,8 @@ bool GprimStore::SyncCommon(Gprim& g, GprimUpdate& update) {
   if (moved) g.instancesDirty = true;
   const bool primvars = Take(g.input.primvars, update.primvars);
   const bool sides = Take(g.input.doubleSided, update.doubleSided);
-  // Implicit shapes carry their primvars, and every prim its rule against the instancer's, in the instances.
-  if (primvars && (!g.isMesh || !g.instancer.empty())) g.instancesDirty = true;
+  // Instances hold the primvars of implicit shapes, what the prim overrides of its instancer, and the default material.
+  if (primvars) g.instancesDirty = true;
   return g.isMesh ? primvars || sides : sides;
 }
 
