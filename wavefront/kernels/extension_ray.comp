@@ -12,9 +12,8 @@
 layout(local_size_x = 64) in;
 
 void main() {
-  uint i = gl_GlobalInvocationID.x;
-  if (i >= counters[kQueueBase + kQueueExtensionRay * kQueueStride + kQueueCount]) return;
-  uint path = queueItems[kItemsExtension * frame.poolSize + i];
+  uint path;
+  if (!queuePath(kQueueExtensionRay, kItemsExtension, path)) return;
   vec4 o = uintBitsToFloat(loadPath(kChunkRayOrigin, path));
   vec4 d = uintBitsToFloat(loadPath(kChunkRayDirection, path));
   uvec4 extra = loadPath(kChunkHitDistance, path);

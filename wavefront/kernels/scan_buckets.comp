@@ -1,11 +1,13 @@
 #version 460
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the hdWavefront authors
-// Turns bucket counts into offsets and indirect arguments, and hands out new work. One workgroup.
+// Turns bucket counts into offsets and indirect arguments, closes the queues that logic fills, and hands out new work.
+// One workgroup.
 // Reads: bucket counts. Writes: offsets, arguments, cursors, statistics, the work position. Runs after: logic.
 #extension GL_GOOGLE_include_directive : require
 #include "lib/bindings.glsl"
 #include "shared/counters_layout.h"
+#include "lib/queue.glsl"
 
 const uint kThreads = 256u;
 layout(local_size_x = 256) in;
@@ -19,6 +21,8 @@ void add64(uint at, uint value) {
 
 void main() {
   uint thread = gl_LocalInvocationID.x;
+  if (thread == 0u) closeQueue(kQueueLightSample);
+  if (thread == 1u) closeQueue(kQueueEscape);
   uint perThread = (frame.bucketCount + kThreads - 1u) / kThreads;
   uint first = thread * perThread;
   uint last = min(first + perThread, frame.bucketCount);

@@ -13,9 +13,8 @@
 layout(local_size_x = 64) in;
 
 void main() {
-  uint i = gl_GlobalInvocationID.x;
-  if (i >= counters[kQueueBase + kQueueShadowRay * kQueueStride + kQueueCount]) return;
-  uint path = queueItems[kItemsShadow * frame.poolSize + i];
+  uint path;
+  if (!queuePath(kQueueShadowRay, kItemsShadow, path)) return;
   uvec4 ids = loadPath(kChunkIds, path);
   vec4 o = uintBitsToFloat(loadPath(kChunkShadowOrigin, path));
   vec4 light = uintBitsToFloat(loadPath(kChunkLightSample, path));

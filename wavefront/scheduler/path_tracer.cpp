@@ -26,7 +26,7 @@ constexpr uint32_t kPathChunks = 0
 #include "wavefront/shared/path_state.def"
 #undef WAVEFRONT_PATH_CHUNK
     ;
-static_assert(kQueueBase + kQueueCount * kQueueStride <= kPathsDoneLo, "queue counters run into what follows");
+static_assert(kQueueBase + kQueueKinds * kQueueStride <= kPathsDoneLo, "queue counters run into what follows");
 static_assert(kPathChunks <= 16, "512K paths must fit one storage-buffer binding of 128 MiB");
 constexpr uint32_t kChunkIds = 6;
 
@@ -304,7 +304,7 @@ void PathTracer::ReadStatus(const uint32_t* c) {
   status_.pathsStarted = before_.pathsStarted + u64(kPathsDoneLo);
   status_.iterations = before_.iterations + c[kIterations];
   status_.drained = c[kActivePaths] == 0 && c[kWorkSample] >= c[kWorkEndSample] && c[kWorkEndSample] == batchEnd_ && c[kIterations] != 0;
-  for (uint32_t q = 0; q < kQueueCount; ++q) {
+  for (uint32_t q = 0; q < kQueueKinds; ++q) {
     status_.queueItems[q] = before_.queueItems[q] + u64(kQueueBase + q * kQueueStride + kQueueItemsLo);
     status_.queuePeak[q] = std::max(before_.queuePeak[q], c[kQueueBase + q * kQueueStride + kQueuePeak]);
   }

@@ -16,12 +16,24 @@
 
 namespace wavefront {
 
+enum class Queue : uint32_t {
+#define WAVEFRONT_QUEUE(Name, index, doc) Name = index,
+#include "wavefront/shared/queues.def"
+#undef WAVEFRONT_QUEUE
+};
+constexpr uint32_t kQueueKinds = 0
+#define WAVEFRONT_QUEUE(Name, index, doc) +1
+#include "wavefront/shared/queues.def"
+#undef WAVEFRONT_QUEUE
+    ;
+
 struct LoopStatus {
   uint32_t errorFlags = 0;
   bool drained = false;           // nothing in flight and no work left for the current limit
   uint64_t pathsStarted = 0, active = 0;
-  uint64_t extensionRays = 0, shadowRays = 0, iterations = 0;
-  uint32_t extensionPeak = 0, shadowPeak = 0;
+  uint64_t iterations = 0;
+  std::array<uint64_t, kQueueKinds> queueItems{};  // by row of queues.def
+  std::array<uint32_t, kQueueKinds> queuePeak{};
   std::vector<uint64_t> bucketItems;  // new paths, then material buckets
 };
 

@@ -272,7 +272,7 @@ void RendererImpl::Publish() {
     if (row < s.kernels.size()) s.kernels[row].items = loop.bucketItems[b];
   }
   s.queues = {{"newPath", loop.pathsStarted, 0}};
-  for (uint32_t q = 0; q < kQueueCount; ++q) s.queues.push_back({kQueueNames[q], loop.queueItems[q], loop.queuePeak[q]});
+  for (uint32_t q = 0; q < kQueueKinds; ++q) s.queues.push_back({kQueueNames[q], loop.queueItems[q], loop.queuePeak[q]});
   for (std::size_t b = layout::kFirstMaterialBucket; b < loop.bucketItems.size(); ++b) {
     const std::size_t row = kKernelCount + b - layout::kFirstMaterialBucket;
     if (row < s.kernels.size()) s.queues.push_back({s.kernels[row].name, loop.bucketItems[b], 0});

@@ -45,12 +45,14 @@ WF_CONST(kBucketItemsLo, 6u)
 WF_CONST(kBucketItemsHi, 7u)
 WF_CONST(kBucketNewPath, 0u)     // bucket 0: idle paths; then one bucket per material entry point
 WF_CONST(kFirstMaterialBucket, 1u)
-// Queue items: four arrays of poolSize uints
+// Queue items: six arrays of poolSize uints
 WF_CONST(kItemsKeys, 0u)         // bucket of each path (kNoBucket: none)
 WF_CONST(kItemsSorted, 1u)       // path indices by bucket
 WF_CONST(kItemsExtension, 2u)
 WF_CONST(kItemsShadow, 3u)
-WF_CONST(kItemArrays, 4u)
+WF_CONST(kItemsLightSample, 4u)
+WF_CONST(kItemsEscape, 5u)
+WF_CONST(kItemArrays, 6u)
 
 WF_CONST(kErrorTraversalBudget, 1u)  // a ray gave up in the BVH
 WF_CONST(kErrorStackOverflow, 2u)

@@ -7,14 +7,7 @@
 #include "lib/bindings.glsl"
 #include "lib/frame.glsl"
 #include "lib/shading_point.glsl"
-
-vec4 instanceRow(uint instance, uint row) { return uintBitsToFloat(texelFetch(instanceRecords, int(instance * kInstanceTexels + row))); }
-uvec4 instanceWord(uint instance, uint texel) { return texelFetch(instanceRecords, int(instance * kInstanceTexels + texel)); }
-
-vec3 transformPoint(vec4 r0, vec4 r1, vec4 r2, vec3 p) { vec4 q = vec4(p, 1.0); return vec3(dot(r0, q), dot(r1, q), dot(r2, q)); }
-vec3 transformVector(vec4 r0, vec4 r1, vec4 r2, vec3 v) { return vec3(dot(r0.xyz, v), dot(r1.xyz, v), dot(r2.xyz, v)); }
-// Multiplies by the transpose: a normal goes to world space by the transpose of world-to-object.
-vec3 transformNormal(vec4 r0, vec4 r1, vec4 r2, vec3 n) { return n.x * r0.xyz + n.y * r1.xyz + n.z * r2.xyz; }
+#include "lib/records.glsl"
 
 float barycentricWeight(vec2 b, uint corner) { return corner == 0u ? 1.0 - b.x - b.y : (corner == 1u ? b.x : b.y); }
 
@@ -167,7 +160,7 @@ ShadingPoint shadingPointMake(uint instance, uint triangleRecord, vec2 barycentr
   sp.mesh = ids.x * kMeshTexels;
   sp.wo = wo;
   sp.time = time;
-  sp.binding = texelFetch(indexStream, int(ids.y + floatBitsToUint(t1.w))).x;
+  sp.binding = texelFetch(indexStream, int(ids.y + floatBitsToUint(t1.w))).x;  // hitBinding, with what is here
   sp.parameterBase = texelFetch(bindingRecords, int(sp.binding)).w;
 
   gCorner0 = t0.xyz; gCorner1 = t1.xyz; gCorner2 = t2.xyz;

@@ -18,6 +18,34 @@ void pushShadowRay(uint path) {
   uint slot = atomicAdd(counters[kQueueBase + kQueueShadowRay * kQueueStride + kQueueFill], 1u);
   queueItems[kItemsShadow * frame.poolSize + slot] = path;
 }
+void pushLightSample(uint path) {
+  uint slot = atomicAdd(counters[kQueueBase + kQueueLightSample * kQueueStride + kQueueFill], 1u);
+  queueItems[kItemsLightSample * frame.poolSize + slot] = path;
+}
+void pushEscape(uint path) {
+  uint slot = atomicAdd(counters[kQueueBase + kQueueEscape * kQueueStride + kQueueFill], 1u);
+  queueItems[kItemsEscape * frame.poolSize + slot] = path;
+}
+// What was pushed becomes what is worked on: arguments, statistics, and an empty fill count. One invocation per queue.
+void closeQueue(uint queue) {
+  uint q = kQueueBase + queue * kQueueStride;
+  uint count = counters[q + kQueueFill];
+  counters[q + kQueueCount] = count;
+  counters[q + kQueueFill] = 0u;
+  counters[q + kQueueArgs] = (count + 63u) / 64u;
+  counters[q + kQueueArgs + 1u] = 1u;
+  counters[q + kQueueArgs + 2u] = 1u;
+  uint old = counters[q + kQueueItemsLo];
+  counters[q + kQueueItemsLo] = old + count;
+  if (old + count < old) counters[q + kQueueItemsHi] += 1u;
+  counters[q + kQueuePeak] = max(counters[q + kQueuePeak], count);
+}
+// The path of this invocation in a kernel over a queue; false past its end.
+bool queuePath(uint queue, uint items, out uint path) {
+  if (gl_GlobalInvocationID.x >= counters[kQueueBase + queue * kQueueStride + kQueueCount]) { path = 0u; return false; }
+  path = queueItems[items * frame.poolSize + gl_GlobalInvocationID.x];
+  return true;
+}
 void reportError(uint flag) { atomicOr(counters[kErrorFlags], flag); }
 
 // The path of this invocation in a material kernel; false past the bucket's end.

@@ -1,0 +1,66 @@
+#version 460
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the hdWavefront authors
+// Escape kernel: paths whose extension ray left the scene or met an analytic light. Adds that light's radiance, weighed
+// against the light sample that could have found it, and ends the path.
+// Reads: Ids, Hit, HitDistance, RayOrigin, RayDirection, Throughput, Radiance, Cone. Writes: film, Ids.
+// Runs after: scan_buckets, before new_path.
+#extension GL_GOOGLE_include_directive : require
+#include "lib/bindings.glsl"
+#include "lib/path_state.glsl"
+#include "lib/queue.glsl"
+#include "lib/film.glsl"
+#include "lib/lights/light_table.glsl"
+
+layout(local_size_x = 64) in;
+
+// Radiance of the lights at infinity along a ray that left the scene; dome lights may be hidden from the camera.
+vec3 missRadiance(vec3 direction, float bsdfPdf, float coneSpread, inout float alpha) {
+  vec3 sum = vec3(0.0);
+  bool camera = bsdfPdf == 0.0;
+  [[dont_unroll]] for (uint i = 0u; i < frame.infiniteLightCount; ++i) {
+    Light l = lightLoad(i);
+    bool dome = l.type == kLightDome;
+    if (camera && (!dome || (frame.flags & kFrameDomeVisible) == 0u || (l.flags & kLightFlagCameraVisible) == 0u)) continue;
+    float pdf = dome ? domePdf(l, direction) : distantPdf(l, direction);
+    if (!dome && pdf == 0.0) continue;
+    float weight = camera ? 1.0 : powerHeuristic(bsdfPdf, pdf * lightItemProbability(l.item));
+    sum += weight * lightRadiance(l, -direction, vec3(0.0), coneSpread * 0.15915494309);
+    if (camera) alpha = 1.0;
+  }
+  return sum;
+}
+
+// Radiance of the analytic light that was hit, towards the ray.
+vec3 shapeRadiance(uint instance, vec3 origin, vec3 direction, float t, float width, float bsdfPdf) {
+  Light l = lightLoad(instanceWord(instance, 7u).x);
+  uint kind = instanceWord(instance, 3u).z & kInstanceKindMask;
+  vec3 local = transformPoint(instanceRow(instance, 0u), instanceRow(instance, 1u), instanceRow(instance, 2u), origin + t * direction);
+  vec3 unitPoint = lightShapePoint(kind, local);
+  vec3 area = lightAreaVector(l, unitNormal(l.type, unitPoint));
+  if (dot(area, direction) >= 0.0) return vec3(0.0);
+  float weight = bsdfPdf == 0.0 ? 1.0 : powerHeuristic(bsdfPdf, shapeHitPdf(l, origin, direction, t, unitPoint) * lightItemProbability(l.item));
+  return weight * lightRadiance(l, -direction, unitPoint, width / max(sqrt(length(area)), 1e-20));
+}
+
+void main() {
+  uint path;
+  if (!queuePath(kQueueEscape, kItemsEscape, path)) return;
+  uvec4 ids = loadPath(kChunkIds, path);
+  uvec4 hit = loadPath(kChunkHit, path);
+  uvec4 extra = loadPath(kChunkHitDistance, path);
+  vec4 throughput = uintBitsToFloat(loadPath(kChunkThroughput, path));
+  vec3 origin = uintBitsToFloat(loadPath(kChunkRayOrigin, path)).xyz;
+  vec3 direction = uintBitsToFloat(loadPath(kChunkRayDirection, path)).xyz;
+  vec4 radiance = uintBitsToFloat(loadPath(kChunkRadiance, path));
+  float spread = uintBitsToFloat(loadPath(kChunkCone, path)).x;
+  vec3 found;
+  if (hit.x == 0xffffffffu) {
+    found = missRadiance(direction, throughput.a, spread, radiance.a);
+  } else {
+    float t = uintBitsToFloat(extra.x);
+    found = shapeRadiance(hit.x, origin, direction, t, uintBitsToFloat(extra.w) + spread * t, throughput.a);
+  }
+  filmAddSample(ids.x, radiance.rgb + throughput.rgb * found, radiance.a);
+  storePath(kChunkIds, path, uvec4(ids.xyz, kPhaseIdle));
+}
