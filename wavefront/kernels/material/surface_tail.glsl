@@ -70,6 +70,11 @@ void main() {
         return;
       }
       throughput *= (vec3(1.0) - opacity) / max(1.0 - present, 1e-6);
+      if (bounce == 0u) {
+        // The logic kernel counted this hit as coverage before it was known that the camera sees past it.
+        vec4 radiance = uintBitsToFloat(loadPath(kChunkRadiance, path));
+        storePathF(kChunkRadiance, path, vec4(radiance.rgb, 0.0));
+      }
       storePathF(kChunkThroughput, path, vec4(throughput, throughputPdf.a));
       storePathF(kChunkRayOrigin, path, vec4(origin.xyz, t));
       storePath(kChunkHitDistance, path, uvec4(extra.x, hit.x, hit.y, extra.w));
