@@ -62,6 +62,11 @@ void main() {
       counters[kWorkPixel] = next % pixels;
       counters[kActivePaths] = frame.poolSize - count + run;
       counters[kIterations] += 1u;
+      if (count == frame.poolSize && left == 0u) {
+        // All idle and no work left: the iterations already submitted behind this one cost nothing.
+        counters[kPoolArgs] = 0u;
+        counters[kScanArgs] = 0u;
+      }
       add64(kPathsDoneLo, run);
     }
     counters[at + kBucketArgs] = (run + 63u) / 64u;

@@ -176,26 +176,32 @@ Status PathTracer::BeginBand(uint32_t band) {
   stream_->Barrier();
   const uint32_t work[3] = {settings_.firstSample, 0, batchEnd_};
   stream_->Update(*counters_, 4 * kWorkSample, std::as_bytes(std::span(work)));
+  RecordWakeUp();
   auto value = stream_->Submit();
   if (!value) return value.error();
   auto done = stream_->Wait(value.value());
   return done ? Status() : Status(done.error());
 }
 
+// The kernels over the whole pool run again (scan_buckets puts them to sleep when nothing is left).
+void PathTracer::RecordWakeUp() {
+  const uint32_t arguments[6] = {(poolSize_ + 63) / 64, 1, 1, 1, 1, 1};
+  stream_->Update(*counters_, 4 * kPoolArgs, std::as_bytes(std::span(arguments)));
+}
+
 void PathTracer::RecordIteration(std::vector<uint32_t>* rows) {
-  const uint32_t poolGroups = (poolSize_ + 63) / 64;
   auto stamp = [&](uint32_t row) {
     if (stream_->Timestamp() != vulkan::CommandStream::kNoTimestamp) rows->push_back(row);
   };
   auto row = [](Kernel k) { return static_cast<uint32_t>(k); };
-  auto direct = [&](Kernel k, uint32_t groups) {
+  auto indirect = [&](Kernel k, uint32_t arguments) {
     stream_->BindPipeline(kernels_->fixed(k));
-    stream_->Dispatch(groups);
+    stream_->DispatchIndirect(*counters_, 4ull * arguments);
     stream_->Barrier();
     stamp(row(k));
   };
-  direct(Kernel::Logic, poolGroups);
-  direct(Kernel::ScanBuckets, 1);
+  indirect(Kernel::Logic, kPoolArgs);
+  indirect(Kernel::ScanBuckets, kScanArgs);
   auto queue = [&](Kernel k, Queue q) {
     stream_->BindPipeline(kernels_->fixed(k));
     stream_->DispatchIndirect(*counters_, 4ull * (kQueueBase + static_cast<uint32_t>(q) * kQueueStride + kQueueArgs));
@@ -204,7 +210,7 @@ void PathTracer::RecordIteration(std::vector<uint32_t>* rows) {
   // Side by side: they touch different paths, and the sort touches none.
   queue(Kernel::LightSample, Queue::LightSample);
   queue(Kernel::Escape, Queue::Escape);
-  direct(Kernel::Scatter, poolGroups);
+  indirect(Kernel::Scatter, kPoolArgs);
   // New paths and all materials between two barriers.
   stream_->BindPipeline(kernels_->fixed(Kernel::NewPath));
   stream_->DispatchIndirect(*counters_, 4ull * (kBucketBase + kBucketNewPath * kBucketStride + kBucketArgs));
@@ -219,7 +225,10 @@ void PathTracer::RecordIteration(std::vector<uint32_t>* rows) {
     stamp(kKernelCount + b);
   }
   stream_->Barrier();
-  direct(Kernel::ResetBuckets, (std::max(bucketCount_, 2u) + 63) / 64);
+  stream_->BindPipeline(kernels_->fixed(Kernel::ResetBuckets));
+  stream_->Dispatch((std::max(bucketCount_, 2u) + 63) / 64);
+  stream_->Barrier();
+  stamp(row(Kernel::ResetBuckets));
   queue(Kernel::ExtensionRay, Queue::ExtensionRay);
   // The shadow kernel changes Ids, which the extension kernel reads: not side by side.
   stream_->Barrier();
@@ -247,6 +256,7 @@ Status PathTracer::Step(bool* done) {
   if (Status s = BeginRecording(); !s) return s;
   if (raiseBatch_) {
     stream_->Update(*counters_, 4 * kWorkEndSample, std::as_bytes(std::span(&batchEnd_, 1)));
+    RecordWakeUp();
     stream_->Barrier();
     raiseBatch_ = false;
     status_.drained = false;

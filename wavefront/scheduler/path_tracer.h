@@ -73,6 +73,7 @@ class PathTracer {
   Status Allocate(std::unique_ptr<vulkan::Buffer>& buffer, uint64_t bytes, vulkan::MemoryKind kind, vulkan::MemoryLocation location, const char* name);
   Status WriteFrameConstants();
   Status BeginRecording();
+  void RecordWakeUp();
   void RecordIteration(std::vector<uint32_t>* rows);
   Status Collect(std::size_t slot);
   void ReadStatus(const uint32_t* counters);

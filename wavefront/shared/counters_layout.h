@@ -20,7 +20,8 @@ WF_CONST(kIterations, 5u)
 WF_CONST(kNewPathBaseSample, 6u) // work index of the first path that new_path starts in this iteration
 WF_CONST(kNewPathBasePixel, 7u)
 WF_CONST(kNewPathCount, 8u)
-WF_CONST(kAllPathsArgs, 9u)      // (unused) .. 11
+WF_CONST(kPoolArgs, 9u)          // x y z groups of the kernels over the whole pool; 0 once nothing is left to do
+WF_CONST(kScanArgs, 12u)         // x y z groups of scan_buckets; likewise
 // Ray queues: 8 words each: count being filled, count being traced, args x y z, items lo, items hi, peak
 WF_CONST(kQueueBase, 16u)
 WF_CONST(kQueueStride, 8u)
