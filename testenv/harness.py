@@ -218,8 +218,8 @@ def judge_baseline(case: Case, check: Mapping[str, Any], pixels: np.ndarray, wha
         spec = oiio.ImageSpec(pixels.shape[1], pixels.shape[0], pixels.shape[2], oiio.HALF)
         spec.attribute("compression", "zip")
         buffer = oiio.ImageBuf(spec)
-        buffer.set_pixels(oiio.ROI(), pixels.astype(np.float32))
-        assert buffer.write(str(path)), buffer.geterror()
+        stored = np.ascontiguousarray(pixels, dtype=np.float32)
+        assert buffer.set_pixels(oiio.ROI(), stored) and buffer.write(str(path)), buffer.geterror()
     golden = oiio.ImageBuf(str(path)).get_pixels(oiio.FLOAT).astype(np.float64)
     assert golden.shape == pixels.shape, f"{what}: {golden.shape} against {pixels.shape}"
     error = ((pixels - golden) ** 2).mean() / max((golden**2).mean(), 1e-12)
