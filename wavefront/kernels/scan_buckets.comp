@@ -21,8 +21,10 @@ void add64(uint at, uint value) {
 
 void main() {
   uint thread = gl_LocalInvocationID.x;
-  if (thread == 0u) closeQueue(kQueueLightSample);
-  if (thread == 1u) closeQueue(kQueueEscape);
+  if (thread == 0u) {
+    closeQueue(kQueueLightSample);
+    closeQueue(kQueueEscape);
+  }
   uint perThread = (frame.bucketCount + kThreads - 1u) / kThreads;
   uint first = thread * perThread;
   uint last = min(first + perThread, frame.bucketCount);
@@ -62,8 +64,9 @@ void main() {
       counters[kWorkPixel] = next % pixels;
       counters[kActivePaths] = frame.poolSize - count + run;
       counters[kIterations] += 1u;
-      if (count == frame.poolSize && left == 0u) {
-        // All idle and no work left: the iterations already submitted behind this one cost nothing.
+      if (count == frame.poolSize && left == 0u && counters[kQueueBase + kQueueEscape * kQueueStride + kQueueCount] == 0u) {
+        // All idle, nobody escaping any more, and no work left: the iterations already submitted behind this one cost
+        // nothing. Queues and buckets are empty, so what still runs finds nothing to do.
         counters[kPoolArgs] = 0u;
         counters[kScanArgs] = 0u;
       }
