@@ -159,7 +159,7 @@ TEST(Light, ShapingCountsOnlyWhereApplied) {
 TEST(Light, DomePoleAxisZTurnsUpToZ) {
   LightParams p = Light("DomeLight");
   p.poleAxis = "Z";
-  const auto& m = Convert(p).light->transforms[0].value.m;
+  const auto m = Convert(p).light->transforms[0].value.m;
   // (0, 1, 0) * M = row 1
   EXPECT_DOUBLE_EQ(m[1][2], 1);
   EXPECT_DOUBLE_EQ(m[1][1], 0);
