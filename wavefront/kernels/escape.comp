@@ -2,8 +2,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the hdWavefront authors
 // Escape kernel: paths whose extension ray left the scene or met an analytic light. Adds that light's radiance, weighed
-// against the light sample that could have found it, and ends the path.
-// Reads: Ids, Hit, HitDistance, RayOrigin, RayDirection, Throughput, Radiance, Cone. Writes: film, Ids.
+// against the light sample that could have found it, and ends the path. Only the camera sees lights as bodies: they throw
+// no shadows, so other rays go on behind them (light samples and bounces must see the same scene, or MIS is biased).
+// Reads: Ids, Hit, HitDistance, RayOrigin, RayDirection, Throughput, Radiance, Cone.
+// Writes: film, Ids; of rays that go on: Radiance, RayOrigin, HitDistance. Pushes to: extension rays.
 // Runs after: scan_buckets, before new_path.
 #extension GL_GOOGLE_include_directive : require
 #include "lib/bindings.glsl"
@@ -54,7 +56,7 @@ void main() {
   uvec4 hit = loadPath(kChunkHit, path);
   uvec4 extra = loadPath(kChunkHitDistance, path);
   vec4 throughput = uintBitsToFloat(loadPath(kChunkThroughput, path));
-  vec3 origin = uintBitsToFloat(loadPath(kChunkRayOrigin, path)).xyz;
+  vec4 origin = uintBitsToFloat(loadPath(kChunkRayOrigin, path));
   vec3 direction = uintBitsToFloat(loadPath(kChunkRayDirection, path)).xyz;
   vec4 radiance = uintBitsToFloat(loadPath(kChunkRadiance, path));
   float spread = uintBitsToFloat(loadPath(kChunkCone, path)).x;
@@ -63,8 +65,16 @@ void main() {
     found = missRadiance(direction, throughput.a, spread, radiance.a);
   } else {
     float t = uintBitsToFloat(extra.x);
-    found = shapeRadiance(hit.x, origin, direction, t, uintBitsToFloat(extra.w) + spread * t, throughput.a);
+    found = shapeRadiance(hit.x, origin.xyz, direction, t, uintBitsToFloat(extra.w) + spread * t, throughput.a);
   }
-  filmAddSample(ids.x, radiance.rgb + throughput.rgb * found, radiance.a);
+  radiance.rgb += throughput.rgb * found;
+  if (hit.x != 0xffffffffu && pathBounce(ids.w) != 0u) {
+    storePathF(kChunkRadiance, path, radiance);
+    storePath(kChunkRayOrigin, path, uvec4(floatBitsToUint(origin.xyz), extra.x));
+    storePath(kChunkHitDistance, path, uvec4(extra.x, hit.xy, extra.w));
+    pushExtensionRay(path);
+    return;
+  }
+  filmAddSample(ids.x, radiance.rgb, radiance.a);
   storePath(kChunkIds, path, uvec4(ids.xyz, kPhaseIdle));
 }

@@ -36,7 +36,7 @@ void main() {
       ids.w &= ~kFlagShadow;
     }
     bool ended = (ids.w & kFlagEnd) != 0u;
-    bool escaped = false;
+    bool escaped = false, behindLight = false;
     if (!ended) {
       uvec4 hit = loadPath(kChunkHit, path);
       vec4 throughput = uintBitsToFloat(loadPath(kChunkThroughput, path));
@@ -49,6 +49,7 @@ void main() {
         throughput.rgb *= exp(-mediumExtinction(loadPath(kChunkMediaA, path), loadPath(kChunkMediaB, path)) * max(0.0, t - from));
         if (bounce == 0u) radiance.a = 1.0;
         escaped = (instanceWord(hit.x, 3u).z & kInstanceKindMask) != kKindMesh;  // an analytic light scatters nothing
+        behindLight = escaped && bounce != 0u;
       }
       if (!escaped) {
         uvec4 buckets = hitBuckets(hit.x, hit.y);
@@ -78,9 +79,10 @@ void main() {
     } else {
       storePathF(kChunkRadiance, path, radiance);
       if (escaped) {
-        // The escape kernel ends the path before new_path takes its place.
+        // The escape kernel ends the path before new_path takes its place; or sends the ray on behind a light, which only
+        // the camera sees as a body: the path then stands in no bucket.
         pushEscape(path);
-        key = kBucketNewPath;
+        key = behindLight ? kNoBucket : kBucketNewPath;
       }
     }
     storePath(kChunkIds, path, ids);

@@ -98,9 +98,15 @@ Status RendererImpl::Commit() {
     cameraDirty_ = settingsDirty_ = false;
   }
   if (changed) {
+    configured_ = false;  // until all of it is: after an error nothing of the old film fits the new settings
     if (settings_.width == 0 || settings_.height == 0) return Error{"the image has no pixels: " + std::to_string(settings_.width) + " x " + std::to_string(settings_.height)};
+    // The host holds the film of an image that renders in bands, and hands out copies.
+    constexpr uint64_t kMaxPixels = 1ull << 29;
+    if (static_cast<uint64_t>(settings_.width) * settings_.height > kMaxPixels) {
+      return Error{"the image is too large: " + std::to_string(settings_.width) + " x " + std::to_string(settings_.height) + " is more than " +
+                   std::to_string(kMaxPixels) + " pixels"};
+    }
     if (static_cast<uint64_t>(settings_.firstSample) + settings_.samples > 0xffffffffull) return Error{"the sample range ends past 2^32"};
-    configured_ = false;
     if (Status s = tracer_->Configure(settings_, camera_, *scene_, threads); !s) return s;
     configured_ = true;
     ++version_;
@@ -123,8 +129,9 @@ Status RendererImpl::Commit() {
 
 Status RendererImpl::Start() {
   std::unique_lock lock(stateMutex_);
-  if (running_ || converged_) return {};
+  if (running_) return {};
   if (!configured_) return Error{"nothing was committed yet"};
+  if (converged_) return {};
   lock.unlock();
   if (thread_.joinable()) thread_.join();
   lock.lock();
@@ -203,7 +210,11 @@ Status RendererImpl::RenderUntilStopped() {
     while (deviceWaiters_.load() != 0) std::this_thread::yield();
     std::lock_guard device(deviceMutex_);
     if (!bandBegun_) {
-      if (settings_.samples == 0) break;
+      if (settings_.samples == 0) {
+        std::lock_guard lock(stateMutex_);
+        converged_ = true;
+        return {};
+      }
       if (Status s = tracer_->BeginBand(band_); !s) return s;
       bandBegun_ = true;
     }
