@@ -448,6 +448,35 @@ def PointInstancer "pi" {
     assert len(in_points) == 1 and len(delegate.told[in_points[0]]["transforms"]) == 1
 
 
+def test_purpose_at_point_instancers(translated):
+    """As in UsdImaging: the instancer's own purpose hides nothing; prototypes inherit in their own namespace."""
+    delegate, _ = translated(
+        """
+def PointInstancer "pi" {
+    token purpose = "render"
+    rel prototypes = [</pi/proxies>, </pi/plain>, </outside>]
+    int[] protoIndices = [0, 1, 2]
+    point3f[] positions = [(0, 0, 0), (1, 0, 0), (2, 0, 0)]
+    def Xform "proxies" { token purpose = "proxy"; def Cube "c" {} }
+    def Xform "plain" { def Cube "c" {} }
+}
+over "outside" { def Cube "c" {} }
+"""
+    )
+    assert "/pi/proxies/c" in delegate.told and "/pi/plain/c" not in delegate.told and "/outside/c" in delegate.told
+
+
+def test_instanced_gprims_are_left_out_with_a_word(translated):
+    delegate, diagnostics = translated(
+        """
+def Cube "source" {}
+def Cube "direct" ( instanceable = true; prepend references = </source> ) {}
+"""
+    )
+    assert "/source" in delegate.told and "/direct" not in delegate.told
+    assert [(d.code, d.location) for d in diagnostics] == [("gprim-instanced", "/direct")]
+
+
 def test_lights_that_the_camera_shall_not_see(translated):
     """UsdLux has no attribute for it; the ones that stages carry are understood, and the first one found counts."""
     delegate, _ = translated(

@@ -94,8 +94,19 @@ def emit_point_instancer(
             continue
         if not root.IsActive():
             continue
-        roots.append((root, _prototype_context(context, path, index, primvars, bound)))
+        inner = _prototype_context(context, path, index, primvars, bound)
+        roots.append((root, inner.at(**_purpose_above(root))))
     return roots
+
+
+def _purpose_above(root: Usd.Prim) -> dict[str, Any]:
+    """The purpose that a prototype inherits: from its own namespace, as in UsdImaging, not from the instancer."""
+    above = UsdGeom.Imageable(root.GetParent()).ComputePurposeInfo()
+    if above.isInheritable:
+        return {"purpose": str(above.purpose), "purpose_authored": True}
+    if root.IsInPrototype() or root.IsInstanceProxy():
+        return {}  # the namespace ends at the instance, whose purpose is in the context
+    return {"purpose": "default", "purpose_authored": False}
 
 
 def _prototype_context(

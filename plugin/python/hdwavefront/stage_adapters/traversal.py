@@ -78,12 +78,17 @@ class _Walk:
         if context is None:
             return
         drawn = context.purpose in translation.options.purposes
-        if type_name in RPRIM_ADAPTERS:
+        if type_name in RPRIM_ADAPTERS and prim.IsInstance():
+            translation.diagnostics.warning(
+                "gprim-instanced",
+                prim.GetPath(),
+                "a gprim that is itself instanceable is not drawn, as in UsdImaging; instance an Xform above it",
+            )
+        elif type_name in RPRIM_ADAPTERS:
             if drawn:
                 self._add_rprim(prim, context, RPRIM_ADAPTERS[type_name], names)
         elif type_name == "PointInstancer":
-            if drawn:
-                self._point_instancer(prim, context)
+            self._point_instancer(prim, context)  # whatever its own purpose: that of what it draws counts
             return
         elif type_name in LIGHT_TYPES:
             emit_light(translation, prim, context, self._unique_path(prim, context))
