@@ -121,7 +121,7 @@ Status PathTracer::WriteFrameConstants() {
   f.cameraToWorld0 = row(rows[0]); f.cameraToWorld1 = row(rows[1]); f.cameraToWorld2 = row(rows[2]);
   f.window = {camera_.left, camera_.right, camera_.bottom, camera_.top};
   f.nearClip = camera_.nearClip; f.farClip = camera_.farClip;
-  f.lensRadius = camera_.lensRadius; f.focusDistance = camera_.focusDistance;
+  f.lensRadius = camera_.focusDistance > 0 ? camera_.lensRadius : 0; f.focusDistance = camera_.focusDistance;
   f.exposureScale = camera_.exposureScale;
   const float pixelWidth = std::abs(camera_.right - camera_.left) / static_cast<float>(settings_.width);
   f.pixelSpread = camera_.orthographic ? 0.0f : pixelWidth;

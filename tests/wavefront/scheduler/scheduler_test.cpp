@@ -284,13 +284,13 @@ TEST(Scheduler, FirstHitAovs) {
   data.instanceIds = {7};
   world.renderer->CreateInstances(data);
   world.settings.aovs = {Aov::Albedo, Aov::Normal, Aov::Depth, Aov::CameraDepth, Aov::PrimId, Aov::InstanceId, Aov::ElementId};
+  world.camera.nearClip = 1;
   const RawFilm film = world.Render();
   auto value = [&](Aov aov, uint32_t c, uint32_t n) { return std::bit_cast<float>(ResolveFilm(film, aov).bits[c + n * 5]); };
   EXPECT_NEAR(value(Aov::Albedo, 1, 3), 0.25f, 1e-6f);
   EXPECT_NEAR(value(Aov::Normal, 2, 3), 1.0f, 1e-6f);
   EXPECT_NEAR(value(Aov::CameraDepth, 0, 1), 4.0f, 1e-5f);
-  const float depth = value(Aov::Depth, 0, 1);
-  EXPECT_TRUE(depth >= 0 && depth <= 1) << depth << " (the far plane is at infinity)";
+  EXPECT_NEAR(value(Aov::Depth, 0, 1), 0.75f, 1e-6f) << "near 1, far at the largest float";
   EXPECT_EQ(ResolveFilm(film, Aov::PrimId).bits[5], 42u);
   EXPECT_EQ(ResolveFilm(film, Aov::InstanceId).bits[5], 7u);
   EXPECT_LE(ResolveFilm(film, Aov::ElementId).bits[5], 1u);

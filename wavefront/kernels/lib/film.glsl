@@ -7,7 +7,7 @@
 #include "lib/queue.glsl"
 
 void filmAdd(uint pixel, uint channel, float value) {
-  float v = clamp(value, -kFilmClamp, kFilmClamp) * kFilmScale;
+  float v = isnan(value) ? 0.0 : clamp(value, -kFilmClamp, kFilmClamp) * kFilmScale;
   atomicAdd(filmSums[pixel * frame.sumChannels + channel], uint64_t(int64_t(roundEven(v))));
 }
 void filmAdd3(uint pixel, uint channel, vec3 value) {

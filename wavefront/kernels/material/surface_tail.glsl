@@ -26,7 +26,7 @@ void filmFirstHit(uvec4 ids, ShadingPoint sp, Closure c, vec3 throughput) {
   vec3 eye = vec3(frame.cameraToWorld0.w, frame.cameraToWorld1.w, frame.cameraToWorld2.w);
   float z = -dot(sp.positionWorld - eye, zAxis) / dot(zAxis, zAxis);
   float n = frame.nearClip, f = frame.farClip;
-  float depth = frame.orthographic != 0u ? (z - n) / (f - n) : f * (z - n) / (z * (f - n));
+  float depth = frame.orthographic != 0u ? (z - n) / (f - n) : (z - n) / z * (f / (f - n));  // f may be the largest float
   uvec4 instanceIds = instanceWord(sp.instance, 8u);
   uint faceBase = texelFetch(meshRecords, int(sp.mesh)).y;
   uint face = faceBase == kNoStream ? sp.triangle : texelFetch(indexStream, int(faceBase + sp.triangle)).x;
