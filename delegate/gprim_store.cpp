@@ -110,7 +110,8 @@ void GprimStore::BuildGeometry(const std::vector<Gprim*>& dirty) {
     Gprim& g = *dirty[i];
     if (!g.isMesh) return;
     if (g.points.size() > 1)
-      sink_({Severity::Info, "mesh-still", g.path, "Deformation within the shutter is not rendered; its first sample is shown."});
+      sink_({Severity::Info, "mesh-still", g.path,
+             "Deformation within the shutter is not rendered; its first sample is shown."});
     if (!g.points.empty()) g.input.points.swap(g.points.front().value);
     g.fresh = BuildMesh(g.input, sink_);
     if (!g.points.empty()) g.input.points.swap(g.points.front().value);

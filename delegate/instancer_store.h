@@ -46,8 +46,8 @@ class InstancerStore {
   uint64_t version_ = 0;
 };
 
-// A prim's transforms followed by its instances', at every time where one of them has a sample. Transforms of the core's
-// instance k are result[k].
+// A prim's transforms followed by its instances', at every time where one of them has a sample. Transforms of the
+// core's instance k are result[k].
 std::vector<TimeSamples<wavefront::Matrix4d>> InstanceTransforms(const TimeSamples<wavefront::Matrix4d>& prim,
                                                                  const FlatInstances& instances, unsigned threads);
 

@@ -35,8 +35,8 @@ class MaterialStore {
 
   // kInvalidId: there is no such material (told once), or it shows the default.
   wavefront::MaterialId Id(const std::string& path, const std::string& user);
-  // The default material with displayOpacity, for prims that author it. The core's own default is opaque: that spares the
-  // shadow rays of all others the opacity kernel.
+  // The default material with displayOpacity, for prims that author it. The core's own default is opaque: that spares
+  // the shadow rays of all others the opacity kernel.
   wavefront::MaterialId TranslucentDefault() const { return translucentDefault_.id; }
   uint64_t idVersion() const { return idVersion_; }  // grows when a path's id changes
   uint64_t generated() const { return generated_; }

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the hdWavefront authors
-// The render delegate, Hydra-shaped and host-neutral: prims by type and path, typed Sync, CommitResources, a render that
-// goes on in the background. Both hosts (plugin/python, plugin/hydra) stay thin above it.
+// The render delegate, Hydra-shaped and host-neutral: prims by type and path, typed Sync, CommitResources, a render
+// that goes on in the background. Both hosts (plugin/python, plugin/hydra) stay thin above it.
 //
-// One frame: Create and Sync (any order, any thread) -> PendingTextures -> SetTexture for each -> CommitResources -> Start.
-// Threads: Sync may be called from several threads at once for different prims; CommitResources, PendingTextures, Start,
-// Pause, Resume, Stop belong to one thread at a time; Map, progress, IsConverged, stats, diagnostics to any.
-// Sync keeps what it is given and compares: a value that did not change marks nothing dirty. All work (triangles, kernels,
-// instance transforms) is done in CommitResources, in parallel, for dirty prims only.
+// One frame: Create and Sync (any order, any thread) -> PendingTextures -> SetTexture for each -> CommitResources ->
+// Start. Threads: Sync may be called from several threads at once for different prims; CommitResources,
+// PendingTextures, Start, Pause, Resume, Stop belong to one thread at a time; Map, progress, IsConverged, stats,
+// diagnostics to any. Sync keeps what it is given and compares: a value that did not change marks nothing dirty. All
+// work (triangles, kernels, instance transforms) is done in CommitResources, in parallel, for dirty prims only.
 // Errors: Status for the environment and for arguments that make no sense; scene content gives diagnostics.
 #pragma once
 
@@ -67,8 +67,8 @@ class RenderDelegate {
   RenderDelegate(const RenderDelegate&) = delete;
   RenderDelegate& operator=(const RenderDelegate&) = delete;
 
-  // --- Prims. A type that is not supported gives an error. The first Sync of a path creates the prim as well. Syncing the
-  // other kind of Rprim to a path makes it that kind.
+  // --- Prims. A type that is not supported gives an error. The first Sync of a path creates the prim as well. Syncing
+  // the other kind of Rprim to a path makes it that kind.
   static const std::vector<std::string>& SupportedRprimTypes();
   static const std::vector<std::string>& SupportedSprimTypes();
   wavefront::Status CreateRprim(const std::string& type, const std::string& path);

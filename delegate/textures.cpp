@@ -16,7 +16,8 @@ void TextureTable::ReportMissing(const Entry& entry, const std::string& location
          "The texture \"" + file + "\" cannot be used: " + entry.reason + " The fallback value is shown."});
 }
 
-uint32_t TextureTable::Acquire(const TextureKey& texture, const std::string& authoredPath, const std::string& location) {
+uint32_t TextureTable::Acquire(const TextureKey& texture, const std::string& authoredPath,
+                               const std::string& location) {
   std::unique_lock lock(mutex_);
   auto [known, isNew] = keys_.try_emplace(texture, nextKey_);
   if (isNew) {

@@ -42,8 +42,8 @@ class TextureTable {
   uint32_t Acquire(const TextureKey& texture, const std::string& authoredPath, const std::string& location);
   void Release(uint32_t key);
 
-  // Used, and neither loaded nor missing; sorted by texture key. Images without a resolved path are never pending: they are
-  // missing, and their diagnostic is given when they are acquired.
+  // Used, and neither loaded nor missing; sorted by texture key. Images without a resolved path are never pending: they
+  // are missing, and their diagnostic is given when they are acquired.
   std::vector<TextureLoadRequest> Pending() const;
   // An error where the key is unknown or the data do not fit their size. A second image replaces the first.
   wavefront::Status Set(uint32_t key, wavefront::TextureData data);

@@ -40,7 +40,8 @@ std::optional<uint32_t> FindSamplerBinding(const std::string& glsl, const std::s
   const std::regex declaration("layout *\\(([^)]*)\\) *uniform +sampler[123]D +" + sampler + " *;");
   static const std::regex binding("binding *= *([0-9]{1,6})");
   for (size_t at = glsl.find("layout"); at != std::string::npos; at = glsl.find("layout", at + 1)) {
-    const std::string text = glsl.substr(at, std::min(glsl.find(';', at) - at + 1, kLongestDeclaration + sampler.size()));
+    const size_t length = glsl.find(';', at) - at + 1;
+    const std::string text = glsl.substr(at, std::min(length, kLongestDeclaration + sampler.size()));
     std::smatch found, number;
     if (!std::regex_search(text, found, declaration, std::regex_constants::match_continuous)) continue;
     const std::string qualifiers = found[1];

@@ -3,9 +3,9 @@
 // A colour library's own GPU shader (OpenColorIO's GLSL text and LUTs) as a compute kernel over RGBA pixels.
 //
 // What the kernel made here expects of Renderer::RunColorKernel: descriptor set 0, binding 0: a storage buffer of vec4
-// pixels, changed in place; a combined image sampler (1-D, 2-D or 3-D by ColorLut::dimension, clamped to the edge, linear
-// or nearest by ColorLut::linear) at each ColorLut::binding; push constants: uint pixelCount; workgroups of 64, rows of
-// workgroups following each other where x does not suffice. Entry point "main".
+// pixels, changed in place; a combined image sampler (1-D, 2-D or 3-D by ColorLut::dimension, clamped to the edge,
+// linear or nearest by ColorLut::linear) at each ColorLut::binding; push constants: uint pixelCount; workgroups of 64,
+// rows of workgroups following each other where x does not suffice. Entry point "main".
 #pragma once
 
 #include <optional>

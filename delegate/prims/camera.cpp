@@ -118,8 +118,9 @@ wavefront::CameraData ConvertCamera(const std::string& path, const CameraParams&
     }
   }
   // UsdGeomCamera::ComputeLinearExposureScale.
-  camera.exposureScale = static_cast<float>(double{p.exposureTime} * p.exposureIso / 100 * std::exp2(double{p.exposure}) *
-                                            p.exposureResponsivity / (double{p.exposureFStop} * p.exposureFStop));
+  const double fStop = p.exposureFStop;
+  camera.exposureScale = static_cast<float>(double{p.exposureTime} * p.exposureIso / 100 *
+                                            std::exp2(double{p.exposure}) * p.exposureResponsivity / (fStop * fStop));
   if (!std::isfinite(camera.exposureScale)) {
     sink({wavefront::Severity::Warning, "camera-bad-value", path, "The exposure is beyond any number; 1 is taken."});
     camera.exposureScale = 1;

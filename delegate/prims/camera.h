@@ -36,8 +36,8 @@ enum class ConformPolicy { MatchVertically, MatchHorizontally, Fit, Crop, DontCo
 // adjustApertureHeight = matchHorizontally, adjustPixelAspectRatio = dontConform. Nothing for others.
 std::optional<ConformPolicy> ParseConformPolicy(const std::string& token);
 
-// imageAspect = width / height * pixel aspect ratio. Values that make no sense (no aperture, not finite ...) are replaced by
-// the fallbacks; the sink is told.
+// imageAspect = width / height * pixel aspect ratio. Values that make no sense (no aperture, not finite ...) are
+// replaced by the fallbacks; the sink is told.
 wavefront::CameraData ConvertCamera(const std::string& path, const CameraParams& params,
                                     const TimeSamples<wavefront::Matrix4d>& transforms, double imageAspect,
                                     ConformPolicy policy, const wavefront::DiagnosticSink& sink);

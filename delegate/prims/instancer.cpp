@@ -185,7 +185,8 @@ std::vector<Matrix4d> MatricesAt(const InstancerState& s, const std::vector<int3
 
 // Elements of a primvar for the flattened instances: element(k) is the instance's index in this instancer.
 std::optional<PrimvarData> Flatten(const InstancerState& s, const PrimvarInput& primvar, size_t count, size_t flatCount,
-                                   const std::function<size_t(size_t)>& element, const wavefront::DiagnosticSink& sink) {
+                                   const std::function<size_t(size_t)>& element,
+                                   const wavefront::DiagnosticSink& sink) {
   const auto drop = [&](const std::string& why) {
     sink({Severity::Warning, "primvar-bad-size", s.path,
           "Primvar \"" + primvar.name + "\" of the instancer " + why + " and is left out."});
@@ -279,8 +280,8 @@ FlatInstances ComposeInstances(const std::vector<const InstancerState*>& chain, 
   // A still array has an arbitrary time of its own: times count only where something moves.
   bool moves = false;
   for (const InstancerState* s : chain)
-    moves |= s->transforms.size() > 1 || s->positions.size() > 1 || s->orientations.size() > 1 || s->scales.size() > 1 ||
-             s->transform.size() > 1;
+    moves |= s->transforms.size() > 1 || s->positions.size() > 1 || s->orientations.size() > 1 ||
+             s->scales.size() > 1 || s->transform.size() > 1;
   if (!moves) times = {0.0f};
 
   const auto count = static_cast<size_t>(total);

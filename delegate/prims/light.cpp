@@ -78,8 +78,8 @@ std::optional<double> EvenStretch(const Matrix4d& m) {
 bool FiniteParams(const LightParams& p) {
   const LightShaping shaping = p.shaping.value_or(LightShaping());
   for (float v : {p.intensity, p.exposure, p.color.x, p.color.y, p.color.z, p.colorTemperature, p.diffuse, p.specular,
-                  p.width, p.height, p.radius, p.length, p.angle, shaping.coneAngle, shaping.coneSoftness, shaping.focus,
-                  shaping.focusTint.x, shaping.focusTint.y, shaping.focusTint.z})
+                  p.width, p.height, p.radius, p.length, p.angle, shaping.coneAngle, shaping.coneSoftness,
+                  shaping.focus, shaping.focusTint.x, shaping.focusTint.y, shaping.focusTint.z})
     if (!std::isfinite(v)) return false;
   return true;
 }
@@ -93,7 +93,8 @@ void ReportUnsupported(const std::string& path, LightType type, const LightParam
   if (p.diffuse != 1) tell("inputs:diffuse is not supported and is taken as 1.");
   if (p.specular != 1) tell("inputs:specular is not supported and is taken as 1.");
   if (p.shaping) {
-    if (!p.shaping->iesFile.empty()) tell("inputs:shaping:ies:file is not supported; the light shines without its profile.");
+    if (!p.shaping->iesFile.empty())
+      tell("inputs:shaping:ies:file is not supported; the light shines without its profile.");
     if (!HasShape(type)) tell("Shaping has no meaning for distant and dome lights and is ignored.");
   }
   if (type == LightType::Dome && p.textureFormat != "automatic" && p.textureFormat != "latlong")
@@ -195,7 +196,8 @@ std::optional<wavefront::LightData> ConvertLight(const std::string& path, const 
   double scale = double{p.intensity} * std::exp2(double{p.exposure});
   if (p.normalize) {
     const double size = LightSizeFactor(p, transforms.front().value);
-    if (!(size > 0) || !std::isfinite(size)) return skip("light-zero-size", "Its area in the world is zero or not finite.");
+    if (!(size > 0) || !std::isfinite(size))
+      return skip("light-zero-size", "Its area in the world is zero or not finite.");
     scale /= size;
   }
   Vec3 radiance = Vec3(p.color) * scale;
@@ -207,7 +209,8 @@ std::optional<wavefront::LightData> ConvertLight(const std::string& path, const 
   for (double v : {radiance.x, radiance.y, radiance.z})
     if (!(std::abs(v) <= 1e30)) return skip("light-not-finite", "Its radiance is beyond any sensible number.");
   if (radiance.x < 0 || radiance.y < 0 || radiance.z < 0) {
-    sink({wavefront::Severity::Warning, "light-negative", path, "Negative light is not supported; it is taken as zero."});
+    sink({wavefront::Severity::Warning, "light-negative", path,
+          "Negative light is not supported; it is taken as zero."});
     radiance = {std::max(radiance.x, 0.0), std::max(radiance.y, 0.0), std::max(radiance.z, 0.0)};
   }
 

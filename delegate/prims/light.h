@@ -21,8 +21,8 @@ struct LightShaping {
   std::string iesFile;
 };
 
-// All inputs of UsdLux's lights with their fallbacks; each type reads its own. Angles in degrees, lengths in light space,
-// colours scene-linear in the rendering colour space.
+// All inputs of UsdLux's lights with their fallbacks; each type reads its own. Angles in degrees, lengths in light
+// space, colours scene-linear in the rendering colour space.
 struct LightParams {
   std::string type = "RectLight";  // RectLight, DiskLight, SphereLight, CylinderLight, DistantLight, DomeLight
   float intensity = 1, exposure = 0;
@@ -53,8 +53,8 @@ struct LightUpdate {
 // UsdLuxBlackbodyTemperatureAsRgb: linear Rec. 709 of luminance 1; temperatures are clamped to 1000..10000 K.
 wavefront::Float3 BlackbodyTemperatureAsRgb(float kelvin);
 
-// UsdLux's sizeFactor for `normalize`: area in world space (lightToWorld may scale unevenly); distant: 1 at angle 0, else
-// pi sin^2(angle/2); dome: 1. Zero or not finite where the light has no size.
+// UsdLux's sizeFactor for `normalize`: area in world space (lightToWorld may scale unevenly); distant: 1 at angle 0,
+// else pi sin^2(angle/2); dome: 1. Zero or not finite where the light has no size.
 double LightSizeFactor(const LightParams& params, const wavefront::Matrix4d& lightToWorld);
 
 // Nothing if the light cannot shine: unknown type, no area, a singular or not finite transform, not finite inputs; the

@@ -26,9 +26,9 @@ namespace delegate {
 
 inline auto Fields(const GeomSubset& v) { return std::tie(v.path, v.indices); }
 inline auto Fields(const MeshTopology& v) {
-  return std::tie(v.scheme, v.orientation, v.faceVertexCounts, v.faceVertexIndices, v.holeIndices, v.interpolateBoundary,
-                  v.faceVaryingLinearInterpolation, v.triangleSubdivisionRule, v.cornerIndices, v.cornerSharpnesses,
-                  v.creaseIndices, v.creaseLengths, v.creaseSharpnesses, v.subsets);
+  return std::tie(v.scheme, v.orientation, v.faceVertexCounts, v.faceVertexIndices, v.holeIndices,
+                  v.interpolateBoundary, v.faceVaryingLinearInterpolation, v.triangleSubdivisionRule, v.cornerIndices,
+                  v.cornerSharpnesses, v.creaseIndices, v.creaseLengths, v.creaseSharpnesses, v.subsets);
 }
 inline auto Fields(const PrimvarInput& v) {
   return std::tie(v.name, v.interpolation, v.components, v.values, v.indices);
@@ -70,8 +70,8 @@ inline auto Fields(const wavefront::CameraData& v) {
 }
 inline auto Fields(const wavefront::MaterialData& v) { return std::tie(v.path, v.kernelKey, v.parameters); }
 inline auto Fields(const wavefront::RenderSettings& v) {
-  return std::tie(v.width, v.height, v.firstSample, v.samples, v.maxBounces, v.rouletteBounce, v.maxTransparency, v.seed,
-                  v.poolSize, v.samplesPerBatch, v.radianceClamp, v.cameraVisibleDome, v.shadows, v.aovs);
+  return std::tie(v.width, v.height, v.firstSample, v.samples, v.maxBounces, v.rouletteBounce, v.maxTransparency,
+                  v.seed, v.poolSize, v.samplesPerBatch, v.radianceClamp, v.cameraVisibleDome, v.shadows, v.aovs);
 }
 
 template <typename T>

@@ -135,7 +135,8 @@ TEST(Camera, MatricesMapTheWindowsCornersToTheCube) {
     for (double z : {-2.0, -10.0})
       for (int corner = 0; corner < 4; ++corner) {
         const double k = camera.orthographic ? 1 : -z;
-        const double x = k * (corner & 1 ? camera.right : camera.left), y = k * (corner & 2 ? camera.top : camera.bottom);
+        const double x = k * (corner & 1 ? camera.right : camera.left);
+        const double y = k * (corner & 2 ? camera.top : camera.bottom);
         const double world[4] = {x + 1, y + 2, z + 3, 1};
         double clip[4] = {0, 0, 0, 0};
         for (int j = 0; j < 4; ++j)

@@ -49,7 +49,8 @@ class FakeRenderer : public wavefront::Renderer {
   void SetMesh(wavefront::MeshId id, wavefront::MeshData m) override { Set(meshes, id, std::move(m)); }
   void DestroyMesh(wavefront::MeshId id) override {
     Remove(meshes, id);
-    for (const auto& [group, data] : instances) EXPECT_NE(data.mesh, id) << data.path << " uses a mesh that is destroyed";
+    for (const auto& [group, data] : instances)
+      EXPECT_NE(data.mesh, id) << data.path << " uses a mesh that is destroyed";
   }
   wavefront::InstanceGroupId CreateInstances(wavefront::InstanceData d) override {
     Check(d);

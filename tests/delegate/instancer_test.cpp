@@ -232,7 +232,7 @@ TEST(Instancer, AMillionInstances) {
   const FlatInstances flat = ComposeInstances({&s}, {0}, 0, Sink(told));
   const double composed = since();
   const auto transforms = delegate::InstanceTransforms({{0, Matrix4d()}}, flat, 0);
-  std::printf("1e6 point instances, one prototype of three: composed in %.0f ms, transforms for the core in %.0f ms more\n",
+  std::printf("1e6 point instances, one of three prototypes: composed in %.0f ms, the core's transforms in %.0f ms\n",
               composed, since() - composed);
   EXPECT_EQ(transforms.size(), 333'334u);
 }

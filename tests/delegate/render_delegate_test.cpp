@@ -277,7 +277,8 @@ TEST(RenderDelegate, InstancesOfAPrototypeShareItsMesh) {
   delegate::InstancerUpdate instancer;
   instancer.positions = {{0, {{1, 0, 0}, {2, 0, 0}, {3, 0, 0}}}};
   instancer.protoIndices = {{0, 1, 0}};
-  instancer.primvars = {{"displayColor", "instance", 3, {1, 0, 0, 0, 1, 0, 0, 0, 1}, {}}, {"own", "constant", 1, {5}, {}}};
+  instancer.primvars = {{"displayColor", "instance", 3, {1, 0, 0, 0, 1, 0, 0, 0, 1}, {}},
+                        {"own", "constant", 1, {5}, {}}};
   f.delegate->Sync("/points", instancer);
   MeshUpdate mesh = Quad();
   mesh.instancer = "/points";
@@ -514,7 +515,8 @@ TEST(RenderSettings, RowsReachTheCoreAndBumpTheVersionOnChange) {
 
 TEST(ColorKernel, SamplersAreFoundByTheTextsLayout) {
   const std::string glsl =
-      "layout(set=0, binding = 1) uniform sampler1D lut_aSampler; \nlayout(set=0, binding=12) uniform sampler3D lut_b;\n";
+      "layout(set=0, binding = 1) uniform sampler1D lut_aSampler; \n"
+      "layout(set=0, binding=12) uniform sampler3D lut_b;\n";
   EXPECT_EQ(delegate::FindSamplerBinding(glsl, "lut_aSampler"), 1u);
   EXPECT_EQ(delegate::FindSamplerBinding(glsl, "lut_b"), 12u);
   EXPECT_FALSE(delegate::FindSamplerBinding(glsl, "lut_a"));

@@ -20,5 +20,6 @@ void BindBuildFacts(nb::module_& module) {
         facts["glslang"] = HDWAVEFRONT_GLSLANG_VERSION;
         return facts;
       },
-      "How this module was built, as a dict of strings: version, build_type, sanitizers, compiler, materialx, glslang.");
+      "How this module was built, as a dict of strings: version, build_type, sanitizers, compiler, materialx, "
+      "glslang.");
 }

@@ -36,7 +36,8 @@ using Array = nb::ndarray<nb::ro, nb::c_contig, nb::device::cpu>;
 std::string TypeName(nb::handle value) { return nb::cast<std::string>(value.type().attr("__name__")); }
 
 float HalfToFloat(uint16_t half) {
-  const uint32_t sign = static_cast<uint32_t>(half & 0x8000u) << 16, exponent = (half >> 10) & 31u, mantissa = half & 1023u;
+  const uint32_t sign = static_cast<uint32_t>(half & 0x8000u) << 16;
+  const uint32_t exponent = (half >> 10) & 31u, mantissa = half & 1023u;
   if (exponent == 31) return std::bit_cast<float>(sign | 0x7f800000u | (mantissa << 13));
   if (exponent != 0) return std::bit_cast<float>(sign | ((exponent + 112) << 23) | (mantissa << 13));
   const float value = std::ldexp(static_cast<float>(mantissa), -24);
@@ -236,6 +237,13 @@ double ReadNumber(nb::handle value, const std::string& name) {
     RaiseType(name + " must be a number, not " + TypeName(value));
   }
   return number;
+}
+
+int32_t ReadInt(nb::handle value, const std::string& name) {
+  const double number = ReadNumber(value, name);
+  if (!(std::abs(number) <= std::numeric_limits<int32_t>::max()) || number != std::floor(number))
+    RaiseValue(name + " must be a whole number of at most 31 bits");
+  return static_cast<int32_t>(number);
 }
 
 std::string ReadString(nb::handle value, const std::string& name) {

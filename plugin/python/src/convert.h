@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the hdWavefront authors
-// Python values to the delegate's: arrays, time samples, dicts. All raise TypeError or ValueError that name the argument.
-// Call with the GIL.
+// Python values to the delegate's: arrays, time samples, dicts. All raise TypeError or ValueError that name the
+// argument. Call with the GIL.
 #pragma once
 
 #include <nanobind/nanobind.h>
@@ -47,6 +47,7 @@ std::vector<delegate::PrimvarInput> ReadPrimvars(nanobind::handle value, const s
 
 bool ReadBool(nanobind::handle value, const std::string& name);
 double ReadNumber(nanobind::handle value, const std::string& name);
+int32_t ReadInt(nanobind::handle value, const std::string& name);
 std::string ReadString(nanobind::handle value, const std::string& name);
 std::vector<std::string> ReadStrings(nanobind::handle value, const std::string& name);
 wavefront::Float3 ReadColor(nanobind::handle value, const std::string& name);
@@ -87,5 +88,6 @@ void ForItems(nanobind::handle mapping, const std::string& name, Fn fn) {
     PyErr_SetString(PyExc_TypeError, (name + " must be a dict").c_str());
     throw nanobind::python_error();
   }
-  for (nanobind::handle item : mapping.attr("items")()) fn(ReadString(item[0], name + "'s key"), nanobind::handle(item[1]));
+  for (nanobind::handle item : mapping.attr("items")())
+    fn(ReadString(item[0], name + "'s key"), nanobind::handle(nanobind::object(item[1])));
 }

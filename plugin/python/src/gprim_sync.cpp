@@ -33,7 +33,8 @@ delegate::MeshTopology ReadTopology(nb::handle value) {
     else if (key == "creaseSharpnesses") t.creaseSharpnesses = real();
     else if (key == "subsets") {
       for (nb::handle subset : item) {
-        if (!nb::isinstance<nb::sequence>(subset) || nb::len(subset) != 2) RaiseValue(name + " must hold (path, indices)");
+        if (!nb::isinstance<nb::sequence>(subset) || nb::len(subset) != 2)
+          RaiseValue(name + " must hold (path, indices)");
         t.subsets.push_back({ReadString(subset[0], name), ReadNumbers<int32_t>(subset[1], name).values});
       }
     } else RaiseValue("topology has no \"" + key + "\"");
@@ -89,8 +90,8 @@ bool ReadCommon(delegate::GprimUpdate& update, const std::string& key, nb::handl
   else if (key == "render_tag") update.renderTag = ReadString(value, key);
   else if (key == "double_sided") update.doubleSided = ReadBool(value, key);
   else if (key == "instancer") update.instancer = ReadString(value, key);
-  else if (key == "prototype") update.prototype = static_cast<int32_t>(ReadNumber(value, key));
-  else if (key == "prim_id") update.primId = static_cast<int32_t>(ReadNumber(value, key));
+  else if (key == "prototype") update.prototype = ReadInt(value, key);
+  else if (key == "prim_id") update.primId = ReadInt(value, key);
   else return false;
   return true;
 }
@@ -119,7 +120,7 @@ void SyncMesh(RenderDelegate& self, const std::string& path, const nb::kwargs& a
     if (key == "topology") update.topology = ReadTopology(value);
     else if (key == "points") update.points = ReadSamples(value, key, ReadFloat3s);
     else if (key == "subset_materials") update.subsetMaterials = ReadStrings(value, key);
-    else if (key == "refine_level") update.refineLevel = static_cast<int>(ReadNumber(value, key));
+    else if (key == "refine_level") update.refineLevel = ReadInt(value, key);
     else UnknownArgument("sync_mesh", key);
   });
   SyncReleased(self, path, update);
@@ -153,7 +154,7 @@ void SyncInstancer(RenderDelegate& self, const std::string& path, const nb::kwar
     else if (key == "primvars") update.primvars = ReadPrimvars(value, key);
     else if (key == "visible") update.visible = ReadBool(value, key);
     else if (key == "parent") update.parent = ReadString(value, key);
-    else if (key == "parent_prototype") update.parentPrototype = static_cast<int32_t>(ReadNumber(value, key));
+    else if (key == "parent_prototype") update.parentPrototype = ReadInt(value, key);
     else UnknownArgument("sync_instancer", key);
   });
   SyncReleased(self, path, update);

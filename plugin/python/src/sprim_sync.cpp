@@ -173,7 +173,7 @@ void SyncLight(RenderDelegate& self, const std::string& path, nb::object params,
   update.transforms = ReadSamples(transform, "transform", ReadMatrix);
   if (!visible.is_none()) update.visible = ReadBool(visible, "visible");
   if (!instancer.is_none()) update.instancer = ReadString(instancer, "instancer");
-  if (!prototype.is_none()) update.prototype = static_cast<int32_t>(ReadNumber(prototype, "prototype"));
+  if (!prototype.is_none()) update.prototype = ReadInt(prototype, "prototype");
   nb::gil_scoped_release release;
   self.Sync(path, std::move(update));
 }

@@ -59,8 +59,9 @@ nb::object ImageToArray(wavefront::AovImage image) {
   auto* owned = new std::vector<uint32_t>(std::move(image.bits));
   nb::capsule owner(owned, [](void* p) noexcept { delete static_cast<std::vector<uint32_t>*>(p); });
   // The 32-bit values are one type or the other by the AOV's format; numpy reads them as such.
-  if (isFloat) return nb::cast(nb::ndarray<nb::numpy, float>(static_cast<void*>(owned->data()), 3, shape.data(), owner));
-  return nb::cast(nb::ndarray<nb::numpy, int32_t>(static_cast<void*>(owned->data()), 3, shape.data(), owner));
+  void* data = owned->data();
+  if (isFloat) return nb::cast(nb::ndarray<nb::numpy, float>(data, 3, shape.data(), owner));
+  return nb::cast(nb::ndarray<nb::numpy, int32_t>(data, 3, shape.data(), owner));
 }
 
 wavefront::Aov ReadAov(const std::string& token) {
