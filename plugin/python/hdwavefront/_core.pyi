@@ -74,7 +74,7 @@ class Film:
     def sums(self) -> npt.NDArray[np.int64]: ...  # a copy
     @property
     def first(self) -> npt.NDArray[np.uint32]: ...  # a copy
-    def merge(self, other: "Film") -> "Film":
+    def merge(self, other: Film) -> Film:
         """ValueError where sizes differ or ranges do not adjoin."""
     def resolve(self, aov: str) -> npt.NDArray[Any]:
         """(height, width, components), row 0 at the top; see RenderDelegate.map."""
@@ -89,7 +89,7 @@ class RenderDelegate:
         memory_budget: int = 0,
         threads: int = 0,
     ) -> None:
-        """`materialx_libraries`: the folder that holds MaterialX's stdlib, pbrlib, bxdf. RuntimeError: no device fits."""
+        """`materialx_libraries`: the folder with MaterialX's stdlib, pbrlib, bxdf. RuntimeError: no device fits."""
 
     # -- Rprims. The first sync of a path creates it.
     def sync_mesh(
@@ -112,8 +112,8 @@ class RenderDelegate:
     ) -> None:
         """
         topology: keys as members of delegate::MeshTopology, absent ones default: scheme, orientation, faceVertexCounts,
-            faceVertexIndices, holeIndices, interpolateBoundary, faceVaryingLinearInterpolation, triangleSubdivisionRule,
-            cornerIndices, cornerSharpnesses, creaseIndices, creaseLengths, creaseSharpnesses, and
+            faceVertexIndices, holeIndices, interpolateBoundary, faceVaryingLinearInterpolation,
+            triangleSubdivisionRule, cornerIndices, cornerSharpnesses, creaseIndices, creaseLengths, creaseSharpnesses, and
             subsets: [(path, indices), ...].
         primvars: the whole set, each (name, interpolation, values (n,) or (n, components), indices or None);
             interpolation: constant, uniform, vertex, varying, faceVarying. Authored normals are named "normals".
@@ -170,7 +170,7 @@ class RenderDelegate:
         """
         primvars: the whole set; interpolation "instance" (one element an instance, or through indices) or "constant".
             A primvar that the instanced prim has itself wins over the instancer's.
-        An object point goes through: prim transform, scale, orientation, position, `transform`, then the parent's chain.
+        An object point goes through: prim transform, scale, orientation, position, `transform`, the parent's chain.
         """
 
     def destroy_instancer(self, path: str) -> None: ...
@@ -187,10 +187,10 @@ class RenderDelegate:
         prototype: int | None = None,
     ) -> None:
         """
-        params: the whole set: "type" ("RectLight", "DiskLight", "SphereLight", "CylinderLight", "DistantLight", "DomeLight")
-            and UsdLux inputs by name without "inputs:", as authored (angles in degrees): intensity, exposure, color,
-            enableColorTemperature, colorTemperature, normalize, diffuse, specular, width, height, radius, length, angle,
-            treatAsPoint, treatAsLine, texture:file (an asset, see sync_material), texture:format,
+        params: the whole set: "type" ("RectLight", "DiskLight", "SphereLight", "CylinderLight", "DistantLight",
+            "DomeLight") and UsdLux inputs by name without "inputs:", as authored (angles in degrees): intensity, exposure, color,
+            enableColorTemperature, colorTemperature, normalize, diffuse, specular, width, height, radius, length,
+            angle, treatAsPoint, treatAsLine, texture:file (an asset, see sync_material), texture:format,
             shaping:cone:angle, shaping:cone:softness, shaping:focus, shaping:focusTint, shaping:ies:file (only where
             ShapingAPI is applied), shadow:enable, visibleToCamera (bool), poleAxis ("Y" or "Z", domes only).
             Absent ones take UsdLux's fallback. Colours are already in the rendering colour space.
@@ -201,8 +201,8 @@ class RenderDelegate:
     ) -> None:
         """
         params: the whole set, UsdGeomCamera's attributes by name: projection, horizontalAperture, verticalAperture,
-            horizontalApertureOffset, verticalApertureOffset, focalLength (tenths of a scene unit), clippingRange, fStop,
-            focusDistance, exposure, exposure:time, exposure:iso, exposure:fStop, exposure:responsivity, shutter:open,
+            horizontalApertureOffset, verticalApertureOffset, focalLength (tenths of a scene unit), clippingRange,
+            fStop, focusDistance, exposure, exposure:time, exposure:iso, exposure:fStop, exposure:responsivity, shutter:open,
             shutter:close. Absent ones take the schema's fallback.
         """
 
@@ -213,7 +213,7 @@ class RenderDelegate:
              "connections": [(upstreamNode, upstreamOutput, downstreamNode, downstreamInput), ...],
              "surface": (nodePath, output)}.
         value: bool, int, float, str, a sequence of 2, 3, 4, 9 or 16 floats, or an asset
-            {"authored": str, "resolved": str, "colorSpace": str}. Types follow the Python type: pass float(1) for floats.
+            {"authored": str, "resolved": str, "colorSpace": str}. Types follow Python's: pass float(1) for a float.
         """
 
     def destroy_sprim(self, path: str) -> None:
@@ -286,7 +286,7 @@ class RenderDelegate:
         luts: Sequence[Mapping[str, Any]] = (),
     ) -> npt.NDArray[np.float32]:
         """
-        pixels: (height, width, 4) float32. glsl: what OCIO emits for GPU_LANGUAGE_GLSL_VK_4_6; function: its name, taking
-            and giving a vec4. luts: {"sampler": name, "dimension": 1 | 2 | 3, "width", "height", "depth", "components":
+        pixels: (height, width, 4) float32. glsl: what OCIO emits for GPU_LANGUAGE_GLSL_VK_4_6; function: its name,
+            taking and giving a vec4. luts: {"sampler": name, "dimension": 1 | 2 | 3, "width", "height", "depth", "components":
             1 | 3, "linear": bool, "values": float array}. Returns the transformed pixels.
         """
