@@ -113,8 +113,8 @@ class RenderDelegate:
         """
         topology: keys as members of delegate::MeshTopology, absent ones default: scheme, orientation, faceVertexCounts,
             faceVertexIndices, holeIndices, interpolateBoundary, faceVaryingLinearInterpolation,
-            triangleSubdivisionRule, cornerIndices, cornerSharpnesses, creaseIndices, creaseLengths, creaseSharpnesses, and
-            subsets: [(path, indices), ...].
+            triangleSubdivisionRule, cornerIndices, cornerSharpnesses, creaseIndices, creaseLengths, creaseSharpnesses,
+            and subsets: [(path, indices), ...].
         primvars: the whole set, each (name, interpolation, values (n,) or (n, components), indices or None);
             interpolation: constant, uniform, vertex, varying, faceVarying. Authored normals are named "normals".
         transform: object to world; under an instancer, object to prototype root (the root's own transform included,
@@ -188,9 +188,9 @@ class RenderDelegate:
     ) -> None:
         """
         params: the whole set: "type" ("RectLight", "DiskLight", "SphereLight", "CylinderLight", "DistantLight",
-            "DomeLight") and UsdLux inputs by name without "inputs:", as authored (angles in degrees): intensity, exposure, color,
-            enableColorTemperature, colorTemperature, normalize, diffuse, specular, width, height, radius, length,
-            angle, treatAsPoint, treatAsLine, texture:file (an asset, see sync_material), texture:format,
+            "DomeLight") and UsdLux inputs by name without "inputs:", as authored (angles in degrees): intensity, exposure,
+            color, enableColorTemperature, colorTemperature, normalize, diffuse, specular, width, height,
+            radius, length, angle, treatAsPoint, treatAsLine, texture:file (an asset, see sync_material), texture:format,
             shaping:cone:angle, shaping:cone:softness, shaping:focus, shaping:focusTint, shaping:ies:file (only where
             ShapingAPI is applied), shadow:enable, visibleToCamera (bool), poleAxis ("Y" or "Z", domes only).
             Absent ones take UsdLux's fallback. Colours are already in the rendering colour space.
@@ -202,8 +202,8 @@ class RenderDelegate:
         """
         params: the whole set, UsdGeomCamera's attributes by name: projection, horizontalAperture, verticalAperture,
             horizontalApertureOffset, verticalApertureOffset, focalLength (tenths of a scene unit), clippingRange,
-            fStop, focusDistance, exposure, exposure:time, exposure:iso, exposure:fStop, exposure:responsivity, shutter:open,
-            shutter:close. Absent ones take the schema's fallback.
+            fStop, focusDistance, exposure, exposure:time, exposure:iso, exposure:fStop, exposure:responsivity,
+            shutter:open, shutter:close. Absent ones take the schema's fallback.
         """
 
     def sync_material(self, path: str, contexts: Mapping[str, Mapping[str, Any]]) -> None:
@@ -287,6 +287,6 @@ class RenderDelegate:
     ) -> npt.NDArray[np.float32]:
         """
         pixels: (height, width, 4) float32. glsl: what OCIO emits for GPU_LANGUAGE_GLSL_VK_4_6; function: its name,
-            taking and giving a vec4. luts: {"sampler": name, "dimension": 1 | 2 | 3, "width", "height", "depth", "components":
-            1 | 3, "linear": bool, "values": float array}. Returns the transformed pixels.
+            taking and giving a vec4. luts: {"sampler": name, "dimension": 1 | 2 | 3, "width", "height", "depth",
+            "components": 1 | 3, "linear": bool, "values": float array}. Returns the transformed pixels.
         """
