@@ -140,7 +140,15 @@ class RecordingDelegate:
         return np.full(shape, 0.25, dtype=np.float32)
 
     def _stats(self) -> dict[str, Any]:
-        return {"kernels": [], "queues": []}
+        return {
+            "kernels": [],
+            "queues": [],
+            "renderSeconds": 2.0,
+            "paths": 10,
+            "segments": 20,
+            "extensionRays": 20,
+            "shadowRays": 10,
+        }
 
     def _diagnostics(self, since: int = 0) -> list[Any]:
         return []
