@@ -83,6 +83,7 @@ struct RenderStats {
 // Exact sums of a sample range; merging is associative and exact, so ranges, machines and restarts agree to the bit.
 struct RawFilm {
   uint32_t width = 0, height = 0, firstSample = 0, samples = 0;
+  bool complete = true;          // every pixel holds every sample of the range
   std::vector<Aov> aovs;         // what is held besides colour and sample count
   std::vector<int64_t> sums;     // fixed point, by pixel then by channel (see shared/film_layout.h)
   std::vector<uint32_t> first;   // FirstSample AOVs, by pixel then channel

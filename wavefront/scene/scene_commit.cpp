@@ -54,8 +54,6 @@ struct GroupPlan {
   bool emissive = false;
 };
 
-Bounds3 Empty() { return {}; }
-
 // Triangles of an emissive instance, in mesh order, with world areas.
 EmissiveTriangles GatherEmissive(const GroupPlan& plan, uint32_t instance, const Matrix4d& transform,
                                  const std::vector<bvh::TriangleRecord>& records) {
@@ -136,6 +134,8 @@ Status SceneStore::Commit(uint32_t threads, const DiagnosticSink& sink, bool* ch
   const bool rebuild = instancesDirty_ || lightsDirty_ || meshesChanged || bindingsChanged || texturesChanged;
   *changed = rebuild || valuesChanged;
   if (!rebuild) return {};
+  // Dirty until it succeeds: a commit that failed half-way is tried again as a whole.
+  instancesDirty_ = true;
   Status s = RebuildInstances(threads, sink);
   if (s) instancesDirty_ = lightsDirty_ = false;
   return s;
@@ -176,8 +176,38 @@ uint32_t SceneStore::BindingFor(const InstanceData& group, const ResidentMesh& m
   return texel;
 }
 
+// What one rebuild passes from step to step.
+struct SceneStore::Rebuild {
+  std::vector<GroupPlan> plans;                                          // by path
+  std::vector<float> instanceValues;                                     // of instance primvars, all groups
+  std::vector<std::map<std::string, PrimvarDescriptor>> groupPrimvars;   // by plan
+  std::vector<uint32_t> bindingIndices;
+  DoubleBounds world;
+  uint32_t instanceCount = 0;
+  std::vector<EmissiveTriangles> emissive;
+  LightTable lights;
+  std::vector<uint32_t> records;                                         // kRecordWords per instance, light shapes last
+  std::vector<Bounds3> bounds;
+};
+
 Status SceneStore::RebuildInstances(uint32_t threads, const DiagnosticSink& sink) {
-  for (Range* range : {&bindingIndexRange_}) { geometry.indices.Free(*range); *range = {}; }
+  ReleaseRanges();
+  Rebuild b;
+  PlanGroups(b);
+  PlaceInstancePrimvars(b);
+  MakeBindings(b);
+  ChooseOrigin(b);
+  if (Status s = GatherEmission(b); !s) return s;
+  std::vector<LightData> lights;
+  for (const auto& [id, light] : lights_) lights.push_back(light);
+  b.lights = BuildLightTable(std::move(lights), b.emissive, textures, facts_.origin, facts_.sceneRadius, sink);
+  WriteMeshInstances(b, threads, sink);
+  WriteLightShapes(b);
+  return UploadRebuild(b, threads);
+}
+
+void SceneStore::ReleaseRanges() {
+  geometry.indices.Free(bindingIndexRange_);
   geometry.primvars.Free(instancePrimvarRange_);
   geometry.nodes.Free(tlasRange_);
   instances_.Free(instanceRange_);
@@ -185,112 +215,110 @@ Status SceneStore::RebuildInstances(uint32_t threads, const DiagnosticSink& sink
   lightRecords_.Free(lightRange_);
   lightItems_.Free(itemRange_);
   lightDistribution_.Free(distributionRange_);
-  instancePrimvarRange_ = tlasRange_ = instanceRange_ = bindingRange_ = lightRange_ = itemRange_ = distributionRange_ = {};
+  bindingIndexRange_ = instancePrimvarRange_ = tlasRange_ = instanceRange_ = bindingRange_ = lightRange_ = itemRange_ = distributionRange_ = {};
   bindingTexels_.clear();
-  usedBuckets_.assign(materials.buckets().size(), false);
   bindingCache_.clear();
+  usedBuckets_.assign(materials.buckets().size(), false);
+}
 
-  // Order by path, never by arrival; equal paths (a mesh in several groups) by mesh id of creation order within a path.
-  std::vector<GroupPlan> plans;
+// Order by path, never by arrival.
+void SceneStore::PlanGroups(Rebuild& b) {
   for (auto& [id, data] : groups_) {
     const ResidentMesh* mesh = geometry.Find(data.mesh);
     if (mesh == nullptr || mesh->triangleCount == 0 || data.transforms.empty()) continue;
-    plans.push_back({&data, mesh, 0, 0, true, {}, false});
+    b.plans.push_back({&data, mesh, 0, 0, true, {}, false});
   }
-  std::stable_sort(plans.begin(), plans.end(), [](const GroupPlan& a, const GroupPlan& b) { return a.data->path < b.data->path; });
+  std::stable_sort(b.plans.begin(), b.plans.end(), [](const GroupPlan& x, const GroupPlan& y) { return x.data->path < y.data->path; });
+}
 
-  // Instance primvars: values of all groups in one range.
-  std::vector<float> instanceValues;
-  std::vector<std::map<std::string, PrimvarDescriptor>> groupPrimvars(plans.size());
-  uint64_t valueCount = 0;
-  for (const GroupPlan& plan : plans) for (const PrimvarData& p : plan.data->instancePrimvars) if (p.components <= 4) valueCount += p.values.size();
-  instancePrimvarRange_ = geometry.primvars.Allocate(valueCount);
-  for (std::size_t g = 0; g < plans.size(); ++g) {
-    for (const PrimvarData& p : plans[g].data->instancePrimvars) {
+// Values of all groups in one range.
+void SceneStore::PlaceInstancePrimvars(Rebuild& b) {
+  b.groupPrimvars.resize(b.plans.size());
+  uint64_t count = 0;
+  for (const GroupPlan& plan : b.plans)
+    for (const PrimvarData& p : plan.data->instancePrimvars) count += p.components <= 4 ? p.values.size() : 0;
+  instancePrimvarRange_ = geometry.primvars.Allocate(count);
+  for (std::size_t g = 0; g < b.plans.size(); ++g) {
+    for (const PrimvarData& p : b.plans[g].data->instancePrimvars) {
       if (p.components > 4 || p.values.empty()) continue;
-      groupPrimvars[g][p.name] = {instancePrimvarRange_.first + static_cast<uint32_t>(instanceValues.size()), layout::kNoStream,
-                                  static_cast<uint32_t>(p.interpolation) | p.components << 8, 0};
-      instanceValues.insert(instanceValues.end(), p.values.begin(), p.values.end());
+      b.groupPrimvars[g][p.name] = {instancePrimvarRange_.first + static_cast<uint32_t>(b.instanceValues.size()), layout::kNoStream,
+                                    static_cast<uint32_t>(p.interpolation) | p.components << 8, 0};
+      b.instanceValues.insert(b.instanceValues.end(), p.values.begin(), p.values.end());
     }
   }
+}
 
-  // Bindings.
-  std::vector<uint32_t> bindingIndices;
-  DoubleBounds world;
-  uint32_t instanceCount = 0;
-  for (std::size_t g = 0; g < plans.size(); ++g) {
-    GroupPlan& plan = plans[g];
-    plan.firstInstance = instanceCount;
-    instanceCount += static_cast<uint32_t>(plan.data->transforms.size());
-    plan.bindingIndexBase = static_cast<uint32_t>(bindingIndices.size());
+// Bindings of every slot of every group, and what the groups' materials say about opacity and emission.
+void SceneStore::MakeBindings(Rebuild& b) {
+  for (std::size_t g = 0; g < b.plans.size(); ++g) {
+    GroupPlan& plan = b.plans[g];
+    plan.firstInstance = b.instanceCount;
+    b.instanceCount += static_cast<uint32_t>(plan.data->transforms.size());
+    plan.bindingIndexBase = static_cast<uint32_t>(b.bindingIndices.size());
     for (uint32_t slot = 0; slot < plan.mesh->slotCount; ++slot) {
       bool opaque = true, emissive = false;
-      bindingIndices.push_back(BindingFor(*plan.data, *plan.mesh, slot, groupPrimvars[g].empty() ? 0 : g + 1, groupPrimvars[g], &opaque, &emissive));
+      b.bindingIndices.push_back(BindingFor(*plan.data, *plan.mesh, slot, b.groupPrimvars[g].empty() ? 0 : g + 1, b.groupPrimvars[g], &opaque, &emissive));
       plan.opaque = plan.opaque && opaque;
       plan.emissive = plan.emissive || emissive;
       plan.emissiveSlots.push_back(emissive);
     }
-    for (const auto& samples : plan.data->transforms) world.AddBox(plan.mesh->bounds, FirstTransform(samples));
+    for (const auto& samples : plan.data->transforms) b.world.AddBox(plan.mesh->bounds, FirstTransform(samples));
   }
-  bindingIndexRange_ = geometry.indices.Allocate(bindingIndices.size());
+  bindingIndexRange_ = geometry.indices.Allocate(b.bindingIndices.size());
   bindingRange_ = bindings_.Allocate(bindingTexels_.size() / 4);
+}
 
-  // Far from the origin floats are coarse: render relative to the scene's centre there.
+// Far from the origin floats are coarse: render relative to the scene's centre there.
+void SceneStore::ChooseOrigin(const Rebuild& b) {
   facts_ = {};
   double extent = 0;
-  if (!world.empty()) {
+  if (!b.world.empty()) {
     double centre[3], far = 0;
     for (int i = 0; i < 3; ++i) {
-      centre[i] = 0.5 * (world.min[i] + world.max[i]);
-      extent = std::max(extent, world.max[i] - world.min[i]);
+      centre[i] = 0.5 * (b.world.min[i] + b.world.max[i]);
+      extent = std::max(extent, b.world.max[i] - b.world.min[i]);
       far = std::max(far, std::abs(centre[i]));
     }
     if (far > 8 * extent) facts_.origin = {std::round(centre[0]), std::round(centre[1]), std::round(centre[2])};
   }
-  facts_.sceneRadius = static_cast<float>(extent > 0 ? extent * 0.866 : 1.0);
+  facts_.sceneRadius = static_cast<float>(extent > 0 ? extent * 0.866 : 1.0);  // half a cube's diagonal
+}
 
-  // Emissive triangles need their records, which are only on the device.
-  std::vector<EmissiveTriangles> emissive;
-  std::vector<std::pair<std::size_t, uint32_t>> emissiveOwner;
-  for (std::size_t g = 0; g < plans.size(); ++g) {
-    if (!plans[g].emissive) continue;
-    std::vector<bvh::TriangleRecord> records(plans[g].mesh->triangles.count);
-    if (Status s = geometry.triangles.Read(plans[g].mesh->triangles.first, std::as_writable_bytes(std::span(records))); !s) return s;
-    for (std::size_t i = 0; i < plans[g].data->transforms.size(); ++i) {
-      emissive.push_back(GatherEmissive(plans[g], plans[g].firstInstance + static_cast<uint32_t>(i), FirstTransform(plans[g].data->transforms[i]), records));
-      emissiveOwner.emplace_back(g, static_cast<uint32_t>(i));
+// Triangle records of emissive instances are only on the device by now.
+Status SceneStore::GatherEmission(Rebuild& b) {
+  for (const GroupPlan& plan : b.plans) {
+    if (!plan.emissive) continue;
+    std::vector<bvh::TriangleRecord> records(plan.mesh->triangles.count);
+    if (Status s = geometry.triangles.Read(plan.mesh->triangles.first, std::as_writable_bytes(std::span(records))); !s) return s;
+    for (std::size_t i = 0; i < plan.data->transforms.size(); ++i) {
+      b.emissive.push_back(GatherEmissive(plan, plan.firstInstance + static_cast<uint32_t>(i), FirstTransform(plan.data->transforms[i]), records));
     }
   }
-  std::vector<LightData> lights;
-  for (const auto& [id, light] : lights_) lights.push_back(light);
-  LightTable table = BuildLightTable(std::move(lights), emissive, textures, facts_.origin, facts_.sceneRadius, sink);
-  std::vector<uint32_t> itemBase(instanceCount, layout::kNoLight);
-  for (const EmissiveTriangles& e : emissive) itemBase[e.instance] = e.itemBase;
+  return {};
+}
 
-  // Instance records and bounds.
-  const uint32_t total = instanceCount + static_cast<uint32_t>(table.shapes.size());
-  std::vector<uint32_t> records(static_cast<std::size_t>(total) * kRecordWords);
-  std::vector<Bounds3> bounds(total, Empty());
-  instanceRange_ = instances_.Allocate(total);
-  for (const GroupPlan& plan : plans) {
+void SceneStore::WriteMeshInstances(Rebuild& b, uint32_t threads, const DiagnosticSink& sink) {
+  const uint32_t total = b.instanceCount + static_cast<uint32_t>(b.lights.shapes.size());
+  b.records.assign(static_cast<std::size_t>(total) * kRecordWords, 0u);
+  b.bounds.assign(total, Bounds3{});
+  std::vector<uint32_t> itemBase(b.instanceCount, layout::kNoLight);
+  for (const EmissiveTriangles& e : b.emissive) itemBase[e.instance] = e.itemBase;
+  for (const GroupPlan& plan : b.plans) {
     const InstanceData& data = *plan.data;
     std::vector<uint8_t> singular(data.transforms.size());
     ParallelFor(data.transforms.size(), threads, [&](std::size_t i) {
       const uint32_t index = plan.firstInstance + static_cast<uint32_t>(i);
-      uint32_t* words = &records[static_cast<std::size_t>(index) * kRecordWords];
+      uint32_t* words = &b.records[static_cast<std::size_t>(index) * kRecordWords];
       const Matrix4d transform = FirstTransform(data.transforms[i]);
-      auto inverse = InverseRows(transform, facts_.origin);
+      const auto inverse = InverseRows(transform, facts_.origin);
       if (!inverse) { singular[i] = 1; return; }
       const Rows rows = ToRows(transform, facts_.origin);
       WriteRows(words, *inverse);
       WriteRows(words + 16, rows);
-      uint32_t flags = layout::kKindMesh;
-      if (plan.opaque) flags |= layout::kInstanceOpaque;
-      if (Determinant3(transform) < 0) flags |= layout::kInstanceFlip;
-      if (plan.mesh->doubleSided) flags |= layout::kInstanceDoubleSided;
       words[12] = plan.mesh->nodes.first;
       words[13] = plan.mesh->triangles.first;
-      words[14] = flags;
+      words[14] = layout::kKindMesh | (plan.opaque ? layout::kInstanceOpaque : 0u) | (Determinant3(transform) < 0 ? layout::kInstanceFlip : 0u) |
+                  (plan.mesh->doubleSided ? layout::kInstanceDoubleSided : 0u);
       words[15] = (data.visibility & 0xffu) | data.categories << 8;
       words[28] = plan.mesh->record;
       words[29] = bindingIndexRange_.first + plan.bindingIndexBase;
@@ -298,7 +326,7 @@ Status SceneStore::RebuildInstances(uint32_t threads, const DiagnosticSink& sink
       words[31] = itemBase[index];
       words[32] = static_cast<uint32_t>(data.primId);
       words[33] = static_cast<uint32_t>(i < data.instanceIds.size() ? data.instanceIds[i] : -1);
-      bounds[index] = bvh::InstanceBounds(plan.mesh->bounds, rows, *inverse);
+      b.bounds[index] = bvh::InstanceBounds(plan.mesh->bounds, rows, *inverse);
     });
     const auto bad = std::count(singular.begin(), singular.end(), 1);
     if (bad != 0 && sink) {
@@ -306,10 +334,13 @@ Status SceneStore::RebuildInstances(uint32_t threads, const DiagnosticSink& sink
             " that cannot be inverted; not rendered"});
     }
   }
-  for (std::size_t s = 0; s < table.shapes.size(); ++s) {
-    const LightShape& shape = table.shapes[s];
-    const std::size_t index = instanceCount + s;
-    uint32_t* words = &records[index * kRecordWords];
+}
+
+void SceneStore::WriteLightShapes(Rebuild& b) {
+  for (std::size_t s = 0; s < b.lights.shapes.size(); ++s) {
+    const LightShape& shape = b.lights.shapes[s];
+    const std::size_t index = b.instanceCount + s;
+    uint32_t* words = &b.records[index * kRecordWords];
     const Rows rows = ToRows(shape.transform, facts_.origin);
     const Rows inverse = *InverseRows(shape.transform, facts_.origin);  // checked by BuildLightTable
     WriteRows(words, inverse);
@@ -319,30 +350,34 @@ Status SceneStore::RebuildInstances(uint32_t threads, const DiagnosticSink& sink
     words[28] = shape.light;
     words[31] = layout::kNoLight;
     words[32] = words[33] = 0xffffffffu;
-    bounds[index] = bvh::InstanceBounds(bvh::LightShapeBounds(shape.kind), rows, inverse);
+    b.bounds[index] = bvh::InstanceBounds(bvh::LightShapeBounds(shape.kind), rows, inverse);
   }
-  bvh::InstanceBvh tlas = bvh::BuildInstanceBvh(bounds, {threads});
-  tlasRange_ = geometry.nodes.Allocate(tlas.nodes.size());
-  lightRange_ = lightRecords_.Allocate(table.lightCount);
-  itemRange_ = lightItems_.Allocate(table.itemCount);
-  distributionRange_ = lightDistribution_.Allocate(table.distribution.size());
+}
 
+Status SceneStore::UploadRebuild(const Rebuild& b, uint32_t threads) {
+  const bvh::InstanceBvh tlas = bvh::BuildInstanceBvh(b.bounds, {threads});
+  const LightTable& lights = b.lights;
+  instanceRange_ = instances_.Allocate(b.bounds.size());
+  tlasRange_ = geometry.nodes.Allocate(tlas.nodes.size());
+  lightRange_ = lightRecords_.Allocate(lights.lightCount);
+  itemRange_ = lightItems_.Allocate(lights.itemCount);
+  distributionRange_ = lightDistribution_.Allocate(lights.distribution.size());
   for (Stream* stream : {&geometry.nodes, &geometry.triangles, &geometry.indices, &geometry.primvars, &geometry.meshRecords, &instances_, &bindings_,
                          &lightRecords_, &lightItems_, &lightDistribution_}) {
     if (Status s = stream->Fit(); !s) return s;
   }
-  for (Status s : {geometry.nodes.Write<bvh::BvhNode4>(tlasRange_, tlas.nodes), geometry.indices.Write<uint32_t>(bindingIndexRange_, bindingIndices),
-                   geometry.primvars.Write<float>(instancePrimvarRange_, instanceValues), instances_.Write<uint32_t>(instanceRange_, records),
-                   bindings_.Write<uint32_t>(bindingRange_, bindingTexels_), lightRecords_.Write<Float4>(lightRange_, table.records),
-                   lightItems_.Write<uint32_t>(itemRange_, table.items), lightDistribution_.Write<float>(distributionRange_, table.distribution)}) {
+  for (Status s : {geometry.nodes.Write<bvh::BvhNode4>(tlasRange_, tlas.nodes), geometry.indices.Write<uint32_t>(bindingIndexRange_, b.bindingIndices),
+                   geometry.primvars.Write<float>(instancePrimvarRange_, b.instanceValues), instances_.Write<uint32_t>(instanceRange_, b.records),
+                   bindings_.Write<uint32_t>(bindingRange_, bindingTexels_), lightRecords_.Write<Float4>(lightRange_, lights.records),
+                   lightItems_.Write<uint32_t>(itemRange_, lights.items), lightDistribution_.Write<float>(distributionRange_, lights.distribution)}) {
     if (!s) return s;
   }
   facts_.tlasRoot = tlasRange_.first;
-  facts_.hasGeometry = total != 0 ? 1 : 0;
-  facts_.lightItemCount = table.itemCount;
-  facts_.infiniteLightCount = table.infiniteCount;
-  facts_.lightCount = table.lightCount;
-  facts_.instances = instanceCount;
+  facts_.hasGeometry = b.bounds.empty() ? 0 : 1;
+  facts_.lightItemCount = lights.itemCount;
+  facts_.infiniteLightCount = lights.infiniteCount;
+  facts_.lightCount = lights.lightCount;
+  facts_.instances = b.instanceCount;
   return {};
 }
 

@@ -45,7 +45,18 @@ class SceneStore {
   const std::vector<bool>& usedBuckets() const { return usedBuckets_; }
 
  private:
+  // The rebuild of everything that depends on instances, bindings and lights, step by step.
+  struct Rebuild;
   Status RebuildInstances(uint32_t threads, const DiagnosticSink& sink);
+  void ReleaseRanges();
+  void PlanGroups(Rebuild& b);
+  void PlaceInstancePrimvars(Rebuild& b);
+  void MakeBindings(Rebuild& b);
+  void ChooseOrigin(const Rebuild& b);
+  Status GatherEmission(Rebuild& b);
+  void WriteMeshInstances(Rebuild& b, uint32_t threads, const DiagnosticSink& sink);
+  void WriteLightShapes(Rebuild& b);
+  Status UploadRebuild(const Rebuild& b, uint32_t threads);
   uint32_t BindingFor(const InstanceData& group, const ResidentMesh& mesh, uint32_t slot, uint64_t instancePrimvarKey,
                       const std::map<std::string, PrimvarDescriptor>& instancePrimvars, bool* opaque, bool* emissive);
 

@@ -57,7 +57,9 @@ Result<RawFilm> MergeFilms(const RawFilm& a, const RawFilm& b) {
   }
   const RawFilm& lower = a.firstSample <= b.firstSample ? a : b;
   const RawFilm& upper = &lower == &a ? b : a;
+  if (!a.complete || !b.complete) return Error{"a render that was stopped early cannot be merged: nobody knows which samples it holds"};
   if (lower.firstSample + lower.samples > upper.firstSample) return Error{"the sample ranges overlap: the same samples would count twice"};
+  if (lower.firstSample + lower.samples < upper.firstSample) return Error{"the sample ranges are not neighbours: merge what lies between first"};
   RawFilm merged = lower;
   merged.samples = lower.samples + upper.samples;
   for (std::size_t i = 0; i < merged.sums.size(); ++i) merged.sums[i] += upper.sums[i];

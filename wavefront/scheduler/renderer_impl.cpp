@@ -377,6 +377,7 @@ Result<RawFilm> RendererImpl::ReadFilm() {
   film.firstSample = settings_.firstSample;
   film.samples = settings_.samples;
   film.aovs = settings_.aovs;
+  film.complete = IsConverged();
   const std::size_t pixels = static_cast<std::size_t>(film.width) * film.height;
   film.sums.resize(pixels * tracer_->film().sumChannels);
   film.first.resize(pixels * tracer_->film().firstChannels);
