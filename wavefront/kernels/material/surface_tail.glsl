@@ -17,9 +17,9 @@ vec3 surfaceEmission(ShadingPoint sp, Closure c, float bsdfPdf, float t) {
   return weight * c.emission;
 }
 
-void filmFirstHit(uvec4 ids, ShadingPoint sp, Closure c, vec3 throughput) {
+void filmFirstHit(uvec4 ids, ShadingPoint sp, Closure c) {
   uint pixel = ids.x;
-  if (frame.albedoChannel != kNoChannel) filmAdd3(pixel, frame.albedoChannel, closureAlbedo(c, sp.wo) * throughput);
+  if (frame.albedoChannel != kNoChannel) filmAdd3(pixel, frame.albedoChannel, closureAlbedo(c, sp.wo));
   if (frame.normalChannel != kNoChannel) filmAdd3(pixel, frame.normalChannel, sp.normalWorld);
   if (ids.y != frame.rangeFirstSample || frame.firstChannels == 0u) return;
   vec3 zAxis = vec3(frame.cameraToWorld0.z, frame.cameraToWorld1.z, frame.cameraToWorld2.z);
@@ -37,56 +37,95 @@ void filmFirstHit(uvec4 ids, ShadingPoint sp, Closure c, vec3 throughput) {
   filmSetFirst(pixel, frame.elementIdChannel, face);
 }
 
+// Passing through by opacity: the surface is there with probability mean(opacity). What gets through costs no bounce,
+// keeps the ray's origin and moves its start forward. True: the ray went on, this hit is done with.
+bool passThrough(uint path, inout uvec4 ids, Closure c, uvec4 hit, uvec4 extra, vec3 origin, inout vec3 throughput, float bsdfPdf) {
+  vec3 opacity = clamp(c.opacity, vec3(0.0), vec3(1.0));
+  float present = (opacity.r + opacity.g + opacity.b) * (1.0 / 3.0);
+  uint bounce = pathBounce(ids.w), passes = pathPasses(ids.w);
+  if (samplePass(ids.z, ids.y, bounce, passes) < present) {
+    throughput *= opacity / max(present, 1e-6);
+    return false;
+  }
+  if (passes >= frame.maxTransparency) {
+    reportError(kErrorTransparency);
+    storePath(kChunkIds, path, uvec4(ids.xyz, ids.w | kFlagEnd));
+    return true;
+  }
+  throughput *= (vec3(1.0) - opacity) / max(1.0 - present, 1e-6);
+  if (bounce == 0u) {
+    // The logic kernel counted this hit as coverage before it was known that the camera sees past it.
+    vec4 radiance = uintBitsToFloat(loadPath(kChunkRadiance, path));
+    storePathF(kChunkRadiance, path, vec4(radiance.rgb, 0.0));
+  }
+  storePathF(kChunkThroughput, path, vec4(throughput, bsdfPdf));
+  storePath(kChunkRayOrigin, path, uvec4(floatBitsToUint(origin), extra.x));
+  storePath(kChunkHitDistance, path, uvec4(extra.x, hit.x, hit.y, extra.w));
+  storePath(kChunkIds, path, uvec4(ids.xyz, ids.w + (1u << kPassShift)));
+  pushExtensionRay(path);
+  return true;
+}
+
+// The light sample, weighed: casts a shadow ray if it is worth one. `value`: closure towards the light, and its pdf.
+void castShadowRay(uint path, inout uvec4 ids, ShadingPoint sp, vec3 error, uvec4 hit, vec3 throughput, vec4 light,
+                   vec4 lightRadiance, uint item, vec4 value) {
+  if (!(lightRadiance.a > 0.0)) return;
+  float weight = powerHeuristic(lightRadiance.a, value.a);
+  vec3 contribution = throughput * value.rgb * lightRadiance.rgb * (weight / lightRadiance.a);
+  if (!(max(contribution.r, max(contribution.g, contribution.b)) > 0.0)) return;
+  bool triangle = texelFetch(lightItems, int(item)).y != kNoLight;
+  vec3 from = offsetRayOrigin(sp.positionWorld, error, sp.normalGeometric, light.xyz);
+  // An emissive triangle ends the shadow ray just before it; analytic lights never block. The ray is aimed from where it
+  // starts: along the old direction it would meet a triangle close to the surface's plane too early.
+  if (triangle) {
+    vec3 toLight = sp.positionWorld + light.xyz * light.w - from;
+    float distance = length(toLight);
+    if (distance > 0.0) light.xyz = toLight / distance;
+    light.w = distance * (1.0 - 1e-4);
+  }
+  storePathF(kChunkShadowOrigin, path, vec4(from, 0.0));
+  storePathF(kChunkLightSample, path, light);
+  storePath(kChunkShadowContribution, path, uvec4(floatBitsToUint(contribution), triangle ? item : kNoLight));
+  storePath(kChunkShadowHit, path, hit);  // to be skipped
+  ids.w |= kFlagShadow;
+  pushShadowRay(path);
+}
+
+// Entering or leaving a transmissive body.
+void crossBoundary(uint path, bool entering, vec3 extinction) {
+  uvec4 mediaA = loadPath(kChunkMediaA, path), mediaB = loadPath(kChunkMediaB, path);
+  if (entering) {
+    if (!mediumPush(mediaA, mediaB, extinction)) reportError(kErrorMediaStack);
+  } else {
+    mediumPop(mediaA, mediaB);
+  }
+  storePath(kChunkMediaA, path, mediaA);
+  storePath(kChunkMediaB, path, mediaB);
+}
+
 void main() {
   uint path;
   if (!bucketPath(path)) return;
   uvec4 ids = loadPath(kChunkIds, path);
-  vec4 origin = uintBitsToFloat(loadPath(kChunkRayOrigin, path));
-  vec4 direction = uintBitsToFloat(loadPath(kChunkRayDirection, path));
+  vec3 origin = uintBitsToFloat(loadPath(kChunkRayOrigin, path)).xyz;
+  vec3 wo = -uintBitsToFloat(loadPath(kChunkRayDirection, path)).xyz;
   uvec4 hit = loadPath(kChunkHit, path);
   uvec4 extra = loadPath(kChunkHitDistance, path);
   vec4 throughputPdf = uintBitsToFloat(loadPath(kChunkThroughput, path));
-  vec4 cone = uintBitsToFloat(loadPath(kChunkCone, path));
+  uvec4 coneBits = loadPath(kChunkCone, path);
+  float spread = uintBitsToFloat(coneBits.x);
   float t = uintBitsToFloat(extra.x);
   uint bounce = pathBounce(ids.w);
   vec3 throughput = throughputPdf.rgb;
-  vec3 wo = -direction.xyz;
-  float coneWidth = uintBitsToFloat(extra.w) + cone.x * t;
+  float coneWidth = uintBitsToFloat(extra.w) + spread * t;
 
-  ShadingPoint sp = shadingPointMake(hit.x, hit.y, uintBitsToFloat(hit.zw), wo, coneWidth, cone.y);
+  ShadingPoint sp = shadingPointMake(hit.x, hit.y, uintBitsToFloat(hit.zw), wo, coneWidth, uintBitsToFloat(coneBits.y));
   Closure c;
   closureMake(sp, c);
-
-  // Opacity: the surface is there with probability mean(opacity); passing through costs no bounce, keeps the ray's
-  // origin and moves its start forward.
-  if (kHasOpacity) {
-    vec3 opacity = clamp(c.opacity, vec3(0.0), vec3(1.0));
-    float present = (opacity.r + opacity.g + opacity.b) * (1.0 / 3.0);
-    uint passes = pathPasses(ids.w);
-    if (samplePass(ids.z, ids.y, bounce, passes) >= present) {
-      if (passes >= frame.maxTransparency) {
-        reportError(kErrorTransparency);
-        storePath(kChunkIds, path, uvec4(ids.xyz, ids.w | kFlagEnd));
-        return;
-      }
-      throughput *= (vec3(1.0) - opacity) / max(1.0 - present, 1e-6);
-      if (bounce == 0u) {
-        // The logic kernel counted this hit as coverage before it was known that the camera sees past it.
-        vec4 radiance = uintBitsToFloat(loadPath(kChunkRadiance, path));
-        storePathF(kChunkRadiance, path, vec4(radiance.rgb, 0.0));
-      }
-      storePathF(kChunkThroughput, path, vec4(throughput, throughputPdf.a));
-      storePathF(kChunkRayOrigin, path, vec4(origin.xyz, t));
-      storePath(kChunkHitDistance, path, uvec4(extra.x, hit.x, hit.y, extra.w));
-      storePath(kChunkIds, path, uvec4(ids.xyz, ids.w + (1u << kPassShift)));
-      pushExtensionRay(path);
-      return;
-    }
-    throughput *= opacity / max(present, 1e-6);
-  }
+  if (kHasOpacity && passThrough(path, ids, c, hit, extra, origin, throughput, throughputPdf.a)) return;
 
   if ((ids.w & kFlagAovWritten) == 0u) {
-    filmFirstHit(ids, sp, c, vec3(1.0));
+    filmFirstHit(ids, sp, c);
     ids.w |= kFlagAovWritten;
   }
   if (kHasEmission) {
@@ -101,9 +140,7 @@ void main() {
 
   vec4 light = uintBitsToFloat(loadPath(kChunkLightSample, path));
   vec4 lightRadiance = uintBitsToFloat(loadPath(kChunkLightRadiance, path));
-  float uLobe = sample1D(ids.z, ids.y, bouncePair(bounce, kPairLobe));
-  vec2 uDirection = sample2D(ids.z, ids.y, bouncePair(bounce, kPairDirection));
-  vec3 wi = closureSample(c, wo, uLobe, uDirection);
+  vec3 wi = closureSample(c, wo, sample1D(ids.z, ids.y, bouncePair(bounce, kPairLobe)), sample2D(ids.z, ids.y, bouncePair(bounce, kPairDirection)));
 
   // Both directions through one evaluation site: compile time follows the sites, not the trips.
   vec4 sampled = vec4(0.0), lit = vec4(0.0);
@@ -116,46 +153,22 @@ void main() {
   }
 
   vec3 error = surfacePointError(sp.instance, gCorner0, gCorner1, gCorner2, sp.positionWorld);
-  bool front = dot(wo, sp.normalGeometric) >= 0.0;
-  if (lightRadiance.a > 0.0) {
-    uint item = floatBitsToUint(cone.z);
-    uvec4 record = texelFetch(lightItems, int(item));
-    float weight = powerHeuristic(lightRadiance.a, lit.a);
-    vec3 contribution = throughput * lit.rgb * lightRadiance.rgb * (weight / lightRadiance.a);
-    if (max(contribution.r, max(contribution.g, contribution.b)) > 0.0) {
-      vec3 from = offsetRayOrigin(sp.positionWorld, error, sp.normalGeometric, light.xyz);
-      // An emissive triangle ends the shadow ray just before it; analytic lights never block.
-      float tMax = record.y != kNoLight ? light.w * (1.0 - 1e-4) : light.w;
-      storePathF(kChunkShadowOrigin, path, vec4(from, 0.0));
-      storePathF(kChunkLightSample, path, vec4(light.xyz, tMax));
-      storePathF(kChunkShadowContribution, path, vec4(contribution, uintBitsToFloat(record.y != kNoLight ? item : kNoLight)));
-      storePath(kChunkShadowHit, path, hit);  // to be skipped
-      ids.w |= kFlagShadow;
-      pushShadowRay(path);
-    }
-  }
-
+  castShadowRay(path, ids, sp, error, hit, throughput, light, lightRadiance, coneBits.z, lit);
   if (!(sampled.a > 0.0) || !(max(sampled.r, max(sampled.g, sampled.b)) > 0.0)) {
     storePath(kChunkIds, path, uvec4(ids.xyz, ids.w | kFlagEnd));
     return;
   }
-  throughput *= sampled.rgb / sampled.a;
+  bool front = dot(wo, sp.normalGeometric) >= 0.0;
   bool transmitted = (dot(wi, sp.normalGeometric) >= 0.0) != front;
-  if (kHasTransmission && transmitted) {
-    uvec4 mediaA = loadPath(kChunkMediaA, path), mediaB = loadPath(kChunkMediaB, path);
-    if (front) { if (!mediumPush(mediaA, mediaB, c.interiorExtinction)) reportError(kErrorMediaStack); }
-    else mediumPop(mediaA, mediaB);
-    storePath(kChunkMediaA, path, mediaA);
-    storePath(kChunkMediaB, path, mediaB);
-  }
-  ids.w += 1u << kBounceShift;
+  if (kHasTransmission && transmitted) crossBoundary(path, front, c.interiorExtinction);
+
   storePathF(kChunkRayOrigin, path, vec4(offsetRayOrigin(sp.positionWorld, error, sp.normalGeometric, wi), 0.0));
   storePathF(kChunkRayDirection, path, vec4(wi, 3.4e38));
   // A planar surface cannot be hit again by a ray that leaves it: named, it is skipped whatever rounding says.
   storePath(kChunkHitDistance, path, uvec4(0u, hit.x, hit.y, floatBitsToUint(coneWidth)));
-  storePathF(kChunkThroughput, path, vec4(throughput, sampled.a));
+  storePathF(kChunkThroughput, path, vec4(throughput * sampled.rgb / sampled.a, sampled.a));
   // A rough bounce widens the cone: about the angle of the solid angle 1/pdf, bounded so that textures never turn to mush.
-  storePathF(kChunkCone, path, vec4(min(cone.x + 0.125 * inversesqrt(sampled.a), 0.25), cone.yzw));
-  storePath(kChunkIds, path, ids);
+  storePath(kChunkCone, path, uvec4(floatBitsToUint(min(spread + 0.125 * inversesqrt(sampled.a), 0.25)), coneBits.yzw));
+  storePath(kChunkIds, path, uvec4(ids.xyz, ids.w + (1u << kBounceShift)));
   pushExtensionRay(path);
 }
