@@ -258,3 +258,12 @@ def test_doctor_finds_nothing_wrong(core, capfd):
     assert main(["doctor"]) == 0
     out, _ = capfd.readouterr()
     assert "OpenColorIO" in out and "Vulkan" in out and "PROBLEM" not in out
+
+
+@pytest.mark.parametrize("wish", ["no such device", "99"])
+def test_doctor_says_that_the_device_asked_for_is_not_there(core, capfd, monkeypatch, wish):
+    from hdwavefront.cli.main import main
+
+    monkeypatch.setenv("HDWAVEFRONT_DEVICE", wish)
+    assert main(["doctor"]) == 1
+    assert f"$HDWAVEFRONT_DEVICE is '{wish}', but no Vulkan device has that index or name" in capfd.readouterr().out

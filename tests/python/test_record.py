@@ -98,6 +98,7 @@ def test_a_render_is_written(run, scene, tmp_path, recorded):
         (("SCENE", "o.exr", "--sessionLayer", "none.usda"), 1, "session layer none.usda does not exist"),
         (("SCENE", "o.exr", "--enableCameraLight", "--disableCameraLight"), 2, "cannot both"),
         (("SCENE", "o.exr", "--stats", "nowhere/s.json"), 1, "--stats"),
+        (("SCENE", "o.exr", "--traceToFile", "nowhere/t.json"), 1, "--traceToFile"),
         (("SCENE", "o.###.exr"), 2, "cannot contain a frame number placeholder"),
         (("SCENE", "o.exr", "--frames", "1:3"), 2, "exactly one frame number placeholder"),
         (("SCENE", "o.#.exr", "--frames", "1:2x0.5"), 2, "need 1 decimals"),
@@ -220,6 +221,24 @@ def test_the_free_camera_frames_the_stage(run, stage_file, tmp_path, recorded, u
     assert tuple(camera["transform"][3, :3]) == pytest.approx(expected, rel=1e-5)
 
 
+@pytest.mark.parametrize("broken", ["double3 xformOp:scale = (1, 0, 1)", "double3 xformOp:scale = (1, inf, 1)"])
+def test_the_free_camera_looks_past_broken_prims(run, stage_file, tmp_path, recorded, broken):
+    """A singular transform makes USD's bound of the whole stage huge; the rest must be framed nevertheless."""
+    sphere = 'def Sphere "S" {\n double radius = 2\n}\n'
+    bad = f'def Cube "B" {{\n {broken}\n uniform token[] xformOpOrder = ["xformOp:scale"]\n}}\n'
+    for text in (sphere, sphere + bad):
+        assert run("record", stage_file(text), tmp_path / "o.png", "-w", 8)[0] == 0
+    alone, beside = (d.told["/__hdwavefront_free_camera"]["transform"] for d in recorded)
+    assert tuple(beside.flat) == pytest.approx(tuple(alone.flat))
+
+
+def test_what_usd_warns_of_is_a_diagnostic(run, stage_file, tmp_path, capfd):
+    text = 'def Sphere "S" {\n rel material:binding = </M>\n}\ndef Material "M" {\n}\n'
+    code, _, err = run("record", stage_file(text), tmp_path / "o.png", "-w", 8)
+    assert code == 0 and "MaterialBindingAPI" in err and "[usd-warning]" in err
+    assert ".cpp" not in err + capfd.readouterr().err
+
+
 RENDER = """(
     renderSettingsPrimPath = "/Render/s"
 )
@@ -298,6 +317,11 @@ def test_the_mask_limits_the_stage(run, stage_file, tmp_path, recorded):
     text = 'def Cube "a" {\n}\ndef Cube "b" {\n}\ndef Cube "c" {\n}\n'
     run("record", stage_file(text), tmp_path / "o.png", "-w", 8, "--mask", "/a,/c")
     assert recorded[0].named("implicit") == ["/a", "/c"]
+
+
+def test_a_mask_that_names_nothing_is_said(run, scene, tmp_path, recorded):
+    code, _, err = run("record", scene, tmp_path / "o.png", "-w", 8, "--mask", "/nobody")
+    assert code == 0 and "/nobody: --mask names this path, but there is no prim [mask-empty]" in err
 
 
 def test_the_session_layer_is_stronger(run, stage_file, tmp_path, recorded):
@@ -391,9 +415,13 @@ def test_help_loads_nothing_heavy():
 
 def test_usdrecords_arguments_are_taken(run, scene, tmp_path):
     flags = (
-        "--purposes proxy,render --disableGpu --renderer Wavefront -color sRGB -c veryhigh --enableDomeLightVisibility"
+        "--purposes proxy,render --disableGpu --renderer Wavefront -color sRGB -c veryhigh --enableDomeLightVisibility "
+        "--resolver inherit --memstats --disableDrawMode --traceFormat trace"
     )
-    assert run("record", scene, tmp_path / "o.png", "-cam", "main_cam", "-w", 8, *flags.split())[0] == 0
+    trace = tmp_path / "trace.txt"
+    output = tmp_path / "o.png"
+    assert run("record", scene, output, "-cam", "main_cam", "-w", 8, "--traceToFile", trace, *flags.split())[0] == 0
+    assert "Tree view" in trace.read_text()
 
 
 def test_version(run):

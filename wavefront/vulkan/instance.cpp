@@ -120,6 +120,10 @@ Result<std::shared_ptr<Instance>> CreateInstance(Validation validation) {
   instance->validation = validation;
   if (const VkResult result = vkCreateInstance(&info, nullptr, &instance->handle); result != VK_SUCCESS) {
     instance->handle = VK_NULL_HANDLE;
+    if (result == VK_ERROR_INCOMPATIBLE_DRIVER) {
+      return Error{"there is no Vulkan driver on this machine, or VK_DRIVER_FILES names none that works (Debian and "
+                   "Ubuntu: mesa-vulkan-drivers has one that runs on the CPU)"};
+    }
     return VulkanError("vkCreateInstance", result);
   }
   // Core functions got here are the loader's own and serve every instance: loading them once is enough,

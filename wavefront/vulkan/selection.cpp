@@ -261,7 +261,7 @@ Result<Selection> SelectDevice(const Instance& instance, const std::string& sele
   }
   if (best != nullptr) return *best;
   if (!unfit.empty()) return Error{"no Vulkan device fits: " + Join(unfit, "; ")};
-  return Error{"no Vulkan device matches '" + selector + "'; there are " + Join(names, ", ")};
+  return Error{"no Vulkan device matches '" + selector + "'; the devices by index: " + Join(names, ", ")};
 }
 
 }  // namespace wavefront::vulkan

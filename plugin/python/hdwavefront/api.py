@@ -48,7 +48,7 @@ class Render:
       frame: a time code, "default" for the default time, None for the stage's start.
       complexity: low, medium, high, veryhigh: the level of subdivision.
       purposes: besides "default"; render_settings, render_pass: path of a prim; mask: prim paths to load;
-      session_layer: a layer file over the stage.
+      session_layer: a layer file over the stage; resolver: "root" or "inherit", the context that assets are found in.
       aovs: besides color: depth, cameraDepth, normal, albedo, primId, instanceId, elementId, sampleCount.
       ocio, display, view: colour configuration and how display-referred files look.
       color_mode: openColorIO, sRGB, disabled; None: openColorIO in PNG, JPEG and TIFF, scene-linear in EXR and HDR.
@@ -73,6 +73,7 @@ class Render:
         render_pass: str = "",
         mask: Iterable[str] = (),
         session_layer: str = "",
+        resolver: str = "root",
         aovs: Iterable[str] = (),
         ocio: str = "",
         display: str = "",
@@ -104,7 +105,9 @@ class Render:
         self._settings = dict(settings or {})
         _check_size_wish(width, height)
         begin = clock.perf_counter()
-        self.stage = open_stage(path, self.diagnostics, mask=tuple(mask), session_layer=session_layer)
+        self.stage = open_stage(
+            path, self.diagnostics, mask=tuple(mask), session_layer=session_layer, resolver=resolver
+        )
         self.timings["open"] = clock.perf_counter() - begin
         self.time = self._time_code(frame)
         self.render_settings = self._read_render_settings(render_settings, render_pass)
@@ -183,6 +186,7 @@ class Render:
 
     def prepare(self) -> None:
         """Tells the renderer the scene at the frame. `start` does it where it was not done."""
+        from .stage import usd_warnings
         from .stage_adapters.context import Options
         from .stage_adapters.lights import emit_camera_light
         from .stage_adapters.traversal import translate
@@ -200,7 +204,8 @@ class Render:
         )
         self._sink.begin()
         transform = self._sync_camera(purposes)
-        translation = translate(self.stage, options, self._sink, self.diagnostics)
+        with usd_warnings(self.path, self.diagnostics):
+            translation = translate(self.stage, options, self._sink, self.diagnostics)
         shines = translation.light_count > 0 or translation.has_emission
         if self._camera_light or (self._camera_light is None and not shines):
             emit_camera_light(translation, transform)
@@ -286,7 +291,7 @@ class Render:
             try:
                 self.delegate.set_texture(request.key, loading.result())
             except TextureError as error:
-                self.delegate.set_texture_missing(request.key, str(error))
+                self.delegate.set_texture_missing(request.key, f"{error}.")
 
         with ThreadPoolExecutor(2) as pool:
             waiting: list[tuple[Any, Future[np.ndarray]]] = []

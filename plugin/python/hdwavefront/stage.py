@@ -5,6 +5,8 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import Any
 
 from .errors import Diagnostics, HdWavefrontError, UsageError
@@ -22,10 +24,35 @@ def import_pxr() -> Any:
     return Usd
 
 
-def open_stage(path: str, diagnostics: Diagnostics, *, mask: tuple[str, ...] = (), session_layer: str = "") -> Any:
-    """A Usd.Stage. HdWavefrontError says in one sentence what is wrong with the file."""
+@contextmanager
+def usd_warnings(path: str, diagnostics: Diagnostics) -> Iterator[None]:
+    """What USD's C++ warns of meanwhile becomes diagnostics; by itself it prints lines that name its source files."""
+    from pxr import UsdUtils
+
+    listener = UsdUtils.CoalescingDiagnosticDelegate()
+    try:
+        yield
+    finally:
+        warnings = [str(w.commentary) for w in listener.TakeUncoalescedDiagnostics()]
+        del listener
+        for warning in warnings:
+            text = " ".join(warning.split())
+            if ".mtlx" not in text:  # those files are read by mtlx.py, which says what is wrong with them
+                diagnostics.warning("usd-warning", path, text.split(" (instantiating stage")[0])
+
+
+def open_stage(
+    path: str,
+    diagnostics: Diagnostics,
+    *,
+    mask: tuple[str, ...] = (),
+    session_layer: str = "",
+    resolver: str = "root",
+) -> Any:
+    """A Usd.Stage. HdWavefrontError says in one sentence what is wrong with the file. `resolver`: asset paths are
+    resolved in a context made for the root layer ("root"), or in the environment's ("inherit"), as in usdrecord."""
     import_pxr()
-    from pxr import Sdf, Tf, Usd, UsdUtils
+    from pxr import Sdf, Tf, Usd
 
     from .mtlx import author_missing_mtlx
 
@@ -38,25 +65,30 @@ def open_stage(path: str, diagnostics: Diagnostics, *, mask: tuple[str, ...] = (
         if not Sdf.Path.IsValidPathString(item) or not Sdf.Path(item).IsAbsoluteRootOrPrimPath():
             raise UsageError(f"--mask: '{item}' is no prim path; an absolute one such as /World/Set is needed.")
         population.Add(Sdf.Path(item).MakeAbsolutePath(Sdf.Path.absoluteRootPath))
-    # Warnings would go to the terminal with C++ file names; they come as diagnostics instead.
-    listener = UsdUtils.CoalescingDiagnosticDelegate()
-    try:
-        stage = Usd.Stage.OpenMasked(root, session, population) if mask else Usd.Stage.Open(root, session)
-    except Tf.ErrorException as error:
-        raise HdWavefrontError(f"The stage {path} cannot be opened: {_reason(error)}") from None
-    else:
-        if stage:
-            author_missing_mtlx(stage, diagnostics)
-    finally:
-        warnings = [str(w.commentary) for w in listener.TakeUncoalescedDiagnostics()]
-        del listener
-    if not stage:
-        raise HdWavefrontError(f"The stage {path} cannot be opened.")
-    for warning in warnings:
-        text = " ".join(warning.split())
-        if ".mtlx" not in text:
-            diagnostics.warning("usd-warning", path, text.split(" (instantiating stage")[0])
+    with usd_warnings(path, diagnostics):
+        try:
+            stage = _open(root, session, population if mask else None, path, resolver)
+        except Tf.ErrorException as error:
+            raise HdWavefrontError(f"The stage {path} cannot be opened: {_reason(error)}") from None
+        if not stage:
+            raise HdWavefrontError(f"The stage {path} cannot be opened.")
+        author_missing_mtlx(stage, diagnostics)
+    for item in population.GetPaths():
+        if not stage.GetPrimAtPath(item):
+            diagnostics.warning("mask-empty", item, "--mask names this path, but there is no prim")
     return stage
+
+
+def _open(root: Any, session: Any, population: Any, path: str, resolver: str) -> Any:
+    from pxr import Ar, Usd
+
+    resolvers = Ar.GetResolver()
+    context = (
+        resolvers.CreateDefaultContext() if resolver == "inherit" else resolvers.CreateDefaultContextForAsset(path)
+    )
+    if population is not None:
+        return Usd.Stage.OpenMasked(root, session, context, population)
+    return Usd.Stage.Open(root, session, context)
 
 
 def _find_layer(path: str, what: str) -> Any:

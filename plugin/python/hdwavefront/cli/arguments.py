@@ -98,6 +98,20 @@ def _add_usdrecord_arguments(group: Any) -> None:
         dest="domeLightVisibility",
         help="dome lights are seen in the background",
     )
+    group.add_argument(
+        "--resolver",
+        choices=("root", "inherit"),
+        default="root",
+        help="asset paths are resolved for the root layer, or as the environment says (default: %(default)s)",
+    )
+    group.add_argument("--traceToFile", metavar="FILE", help="write what USD's tracing saw to this file")
+    group.add_argument(
+        "--traceFormat", choices=("chrome", "trace"), default="chrome", help="format of it (default: %(default)s)"
+    )
+    group.add_argument("--memstats", action="store_true", help="accepted for usdrecord's sake; see --stats")
+    group.add_argument(
+        "--disableDrawMode", action="store_true", help="accepted for usdrecord's sake; full geometry is always drawn"
+    )
     group.add_argument("--disableGpu", action="store_true", help="accepted for usdrecord's sake; see --device")
     group.add_argument("--renderer", "-r", help="accepted for usdrecord's sake; this renderer is always Wavefront")
 

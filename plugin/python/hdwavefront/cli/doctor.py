@@ -88,8 +88,18 @@ def _devices(report: _Report) -> None:
             report.line("  " + name, value)
     if not any(d["usable"] for d in devices):
         report.problem("no Vulkan device is usable: " + "; ".join(f"{d['name']}: {d['whyNot']}" for d in devices))
-    if os.environ.get("HDWAVEFRONT_DEVICE"):
-        report.line("HDWAVEFRONT_DEVICE", os.environ["HDWAVEFRONT_DEVICE"])
+    wish = os.environ.get("HDWAVEFRONT_DEVICE", "")
+    if wish:
+        report.line("HDWAVEFRONT_DEVICE", wish)
+        chosen = [
+            device
+            for index, device in enumerate(devices)
+            if (wish == str(index) if wish.isdecimal() else wish.lower() in device["name"].lower())
+        ]
+        if not chosen:
+            report.problem(f"$HDWAVEFRONT_DEVICE is '{wish}', but no Vulkan device has that index or name")
+        elif not any(d["usable"] for d in chosen):
+            report.problem(f"$HDWAVEFRONT_DEVICE is '{wish}', which chooses no device that is usable")
 
 
 def _usd(report: _Report) -> None:

@@ -64,10 +64,12 @@ def _check_before(args: argparse.Namespace) -> None:
         value = getattr(args, name)
         if value is not None and value <= 0:
             raise UsageError(f"--{name} is {value}; it must be at least 1.")
-    if args.stats:
-        folder = os.path.dirname(os.path.abspath(args.stats))
+    for flag in ("stats", "traceToFile"):
+        if not getattr(args, flag):
+            continue
+        folder = os.path.dirname(os.path.abspath(getattr(args, flag)))
         if not os.path.isdir(folder) or not os.access(folder, os.W_OK):
-            raise HdWavefrontError(f"The folder {folder} of the --stats file does not exist or cannot be written to.")
+            raise HdWavefrontError(f"The folder {folder} of the --{flag} file does not exist or cannot be written to.")
 
 
 def _open(args: argparse.Namespace, frame: float | str | None, printer: _DiagnosticPrinter) -> Any:
@@ -85,6 +87,7 @@ def _open(args: argparse.Namespace, frame: float | str | None, printer: _Diagnos
         render_pass=args.rpPrimPath,
         mask=(args.populationMask or "").replace(",", " ").split(),
         session_layer=args.sessionLayerPath or "",
+        resolver=args.resolver,
         aovs=args.aov,
         ocio=args.ocio,
         display=args.display,
@@ -101,6 +104,23 @@ def _open(args: argparse.Namespace, frame: float | str | None, printer: _Diagnos
 
 
 def record(args: argparse.Namespace) -> int:
+    if not args.traceToFile:
+        return _record(args)
+    from ..stage import import_pxr
+
+    import_pxr()
+    from pxr import Trace
+
+    Trace.Collector().enabled = True
+    try:
+        return _record(args)
+    finally:
+        Trace.Collector().enabled = False
+        reporter = Trace.Reporter.globalReporter
+        (reporter.Report if args.traceFormat == "trace" else reporter.ReportChromeTracingToFile)(args.traceToFile)
+
+
+def _record(args: argparse.Namespace) -> int:
     begin = time.perf_counter()
     frames: list[Any] = (
         frame_specs.parse_frames(args.frames) if args.frames else ["default" if args.defaultTime else None]

@@ -14,6 +14,7 @@ from ..errors import Diagnostics, HdWavefrontError
 from .context import Update, matrix_array
 
 FREE_CAMERA_PATH = "/__hdwavefront_free_camera"
+_MAX_COORDINATE = 1e18  # as for the points of meshes
 
 _ATTRIBUTES = (
     "projection",
@@ -101,15 +102,36 @@ def require_camera(stage: Usd.Stage, name: str) -> UsdGeom.Camera:
     return camera
 
 
+def _stage_bound(stage: Usd.Stage, time: Usd.TimeCode, purposes: frozenset[str]) -> tuple[Gf.Vec3d, Gf.Vec3d]:
+    """Centre and size of what can be framed."""
+    cache = UsdGeom.BBoxCache(time, sorted(purposes), True)
+    box = cache.ComputeWorldBound(stage.GetPseudoRoot())
+    extent, center = box.ComputeAlignedRange(), box.ComputeCentroid()
+    if not extent.IsEmpty() and _is_sane(extent):
+        return center, extent.GetSize()
+    # One broken prim spoils the bound of all: those that make sense are gathered one by one.
+    extent = Gf.Range3d()
+    prims = iter(Usd.PrimRange.Stage(stage, Usd.TraverseInstanceProxies()))
+    for prim in prims:
+        if not prim.IsA(UsdGeom.Boundable):
+            continue
+        prims.PruneChildren()  # a Boundable's bound holds what is below it
+        part = cache.ComputeWorldBound(prim).ComputeAlignedRange()
+        if not part.IsEmpty() and _is_sane(part):
+            extent.UnionWith(part)
+    if extent.IsEmpty():
+        return Gf.Vec3d(0), Gf.Vec3d(2)
+    return extent.GetMidpoint(), extent.GetSize()
+
+
+def _is_sane(extent: Gf.Range3d) -> bool:
+    return all(math.isfinite(x) and abs(x) < _MAX_COORDINATE for x in (*extent.GetMin(), *extent.GetMax()))
+
+
 def free_camera(stage: Usd.Stage, time: Usd.TimeCode, purposes: frozenset[str]) -> tuple[Update, np.ndarray]:
     """Params and transform of a 50 mm camera that frames the stage, by the rule of OpenUSD's usdrecord."""
     camera = Gf.Camera()
-    cache = UsdGeom.BBoxCache(time, sorted(purposes), True)
-    box = cache.ComputeWorldBound(stage.GetPseudoRoot())
-    extent = box.ComputeAlignedRange()
-    center, size = box.ComputeCentroid(), extent.GetSize()
-    if extent.IsEmpty() or not all(math.isfinite(x) for x in (*center, *size)):
-        center, size = Gf.Vec3d(0), Gf.Vec3d(2)
+    center, size = _stage_bound(stage, time, purposes)
     y_up = UsdGeom.GetStageUpAxis(stage) == UsdGeom.Tokens.y
     plane = Gf.Vec2d(size[0], size[1] if y_up else size[2]) / 2
     half_angle = math.radians(camera.GetFieldOfView(Gf.Camera.FOVHorizontal)) / 2
