@@ -220,10 +220,14 @@ wavefront::InstanceData GprimStore::MakeInstances(const Gprim& g) const {
 
 // Prims without a material wear the core's opaque default, unless something on them says displayOpacity.
 void GprimStore::ChooseDefault(const Gprim& g, wavefront::InstanceData& data) const {
+  if (std::find(data.materials.begin(), data.materials.end(), kInvalidId) == data.materials.end()) return;
   const auto isOpacity = [](const auto& primvar) { return primvar.name == "displayOpacity"; };
   const bool authored = std::any_of(g.input.primvars.begin(), g.input.primvars.end(), isOpacity) ||
                         std::any_of(data.instancePrimvars.begin(), data.instancePrimvars.end(), isOpacity);
-  if (!authored) return;
+  if (!authored) {
+    materials_.NeedDefault();
+    return;
+  }
   for (wavefront::MaterialId& id : data.materials)
     if (id == wavefront::kInvalidId) id = materials_.TranslucentDefault();
 }

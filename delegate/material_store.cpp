@@ -106,7 +106,7 @@ void MaterialStore::Generate() {
   }
 }
 
-void MaterialStore::CompileKernels() {
+void MaterialStore::CompileKernels(const std::vector<const Material*>& materials) {
   struct Job {
     const std::string* source;
     std::string name;
@@ -120,13 +120,13 @@ void MaterialStore::CompileKernels() {
   };
   std::vector<std::unique_ptr<NewKernel>> fresh;
   std::vector<Job*> jobs;
-  const auto add = [&](const materialgen::CompiledMaterial& compiled, double generateMilliseconds) {
-    if (!compiled.kernel) return;
-    const materialgen::KernelSource& source = *compiled.kernel;
+  for (const Material* material : materials) {
+    if (!material->compiled.kernel) continue;
+    const materialgen::KernelSource& source = *material->compiled.kernel;
     auto [known, isNew] = kernels_.try_emplace(source.key);
-    if (!isNew) return;
-    known->second.source = compiled.kernel;
-    known->second.generateMilliseconds = generateMilliseconds;
+    if (!isNew) continue;
+    known->second.source = material->compiled.kernel;
+    known->second.generateMilliseconds = material->generateMilliseconds;
     auto& entry = fresh.emplace_back(std::make_unique<NewKernel>());
     entry->kernel = &known->second;
     const std::pair<const std::string*, const char*> entries[3] = {
@@ -136,17 +136,7 @@ void MaterialStore::CompileKernels() {
       entry->jobs[i].name = source.key + "." + entries[i].second;
       if (!entries[i].first->empty()) jobs.push_back(&entry->jobs[i]);
     }
-  };
-  if (!hasDefault_) {
-    const auto start = std::chrono::steady_clock::now();
-    default_.compiled = generator_.GenerateDefault(true);
-    translucentDefault_.compiled = generator_.GenerateDefault(false);
-    const double each = 0.5 * Since(start);
-    add(default_.compiled, each);
-    add(translucentDefault_.compiled, each);
   }
-  for (auto& [path, material] : materials_) add(material->compiled, material->generateMilliseconds);
-
   wavefront::ParallelFor(jobs.size(), threads_, [&](size_t i) {
     const auto start = std::chrono::steady_clock::now();
     jobs[i]->spirv = materialgen::CompileGlsl(*jobs[i]->source, jobs[i]->name, &jobs[i]->error);
@@ -208,18 +198,31 @@ void MaterialStore::Upload(Material& material) {
   }
 }
 
-void MaterialStore::MakeDefault() {
-  if (hasDefault_) return;
-  hasDefault_ = true;
-  Upload(default_);
-  Upload(translucentDefault_);
-  if (default_.id != wavefront::kInvalidId) renderer_.SetDefaultMaterial(default_.id);
+void MaterialStore::MakeDefault(Material& material, bool isOpaque) {
+  if (material.compiled.kernel) return;
+  const auto start = std::chrono::steady_clock::now();
+  material.compiled = generator_.GenerateDefault(isOpaque);
+  material.generateMilliseconds = Since(start);
+  CompileKernels({&material});
+  Upload(material);
+}
+
+void MaterialStore::NeedDefault() {
+  const bool isNew = default_.id == wavefront::kInvalidId;
+  MakeDefault(default_, true);
+  if (isNew && default_.id != wavefront::kInvalidId) renderer_.SetDefaultMaterial(default_.id);
+}
+
+wavefront::MaterialId MaterialStore::TranslucentDefault() {
+  MakeDefault(translucentDefault_, false);
+  return translucentDefault_.id;
 }
 
 void MaterialStore::Commit() {
   Generate();
-  CompileKernels();
-  MakeDefault();
+  std::vector<const Material*> all;
+  for (const auto& [path, material] : materials_) all.push_back(material.get());
+  CompileKernels(all);
   const uint64_t textureVersion = textures_.version();
   const bool texturesChanged = textureVersion != textureVersion_;
   textureVersion_ = textureVersion;

@@ -35,9 +35,10 @@ class MaterialStore {
 
   // kInvalidId: there is no such material (told once), or it shows the default.
   wavefront::MaterialId Id(const std::string& path, const std::string& user);
-  // The default material with displayOpacity, for prims that author it. The core's own default is opaque: that spares
-  // the shadow rays of all others the opacity kernel.
-  wavefront::MaterialId TranslucentDefault() const { return translucentDefault_.id; }
+  // The defaults are made when somebody wears them first. The core's own is opaque, which spares the shadow rays of all
+  // prims that author no displayOpacity the opacity kernel; the other is for those that do.
+  void NeedDefault();
+  wavefront::MaterialId TranslucentDefault();
   uint64_t idVersion() const { return idVersion_; }  // grows when a path's id changes
   uint64_t generated() const { return generated_; }
   uint64_t uploaded() const { return uploaded_; }
@@ -67,9 +68,9 @@ class MaterialStore {
   };
   Material& FindOrCreate(const std::string& path);
   void ReleaseTextures(Material& material);
-  void CompileKernels();
+  void CompileKernels(const std::vector<const Material*>& materials);
   void Upload(Material& material);
-  void MakeDefault();
+  void MakeDefault(Material& material, bool isOpaque);
 
   wavefront::Renderer& renderer_;
   materialgen::Generator& generator_;
@@ -81,7 +82,6 @@ class MaterialStore {
   std::vector<std::unique_ptr<Material>> removed_;
   std::vector<wavefront::MaterialId> garbage_;
   std::map<std::string, Kernel> kernels_;
-  bool hasDefault_ = false;
   Material default_, translucentDefault_;
   uint64_t textureVersion_ = 0, idVersion_ = 1, generated_ = 0, uploaded_ = 0, compiled_ = 0;
 };

@@ -63,6 +63,9 @@ struct RenderDelegate::Impl {
   std::optional<wavefront::CameraData> sentCamera;
   std::optional<wavefront::RenderSettings> sentSettings;
   DelegateCounters counters;
+  std::vector<KernelUse> kernelUses;
+
+  std::vector<KernelUse> ReadKernelUses() const;  // by the committing thread
 };
 
 wavefront::Result<std::unique_ptr<RenderDelegate>> RenderDelegate::Create(const RenderDelegateOptions& options) {
@@ -255,7 +258,9 @@ wavefront::Status RenderDelegate::CommitResources() {
   impl.materials.Collect();  // nothing refers to them any more
   impl.textures.Collect();
   const wavefront::Status status = renderer_->Commit();
+  std::vector<KernelUse> kernelUses = impl.ReadKernelUses();
   std::lock_guard lock(impl.mutex);
+  impl.kernelUses = std::move(kernelUses);
   DelegateCounters& c = impl.counters;
   c.meshesBuilt = impl.gprims.built();
   c.meshesUploaded = impl.gprims.meshesUploaded();
@@ -279,19 +284,24 @@ CameraMatrices RenderDelegate::cameraMatrices() const {
   return impl_->sentCamera ? MatricesOf(*impl_->sentCamera) : CameraMatrices();
 }
 
-std::vector<RenderDelegate::KernelUse> RenderDelegate::kernelUses() const {
+std::vector<RenderDelegate::KernelUse> RenderDelegate::Impl::ReadKernelUses() const {
   std::vector<KernelUse> uses;
-  for (const auto& [key, kernel] : impl_->materials.kernels()) {
+  for (const auto& [key, kernel] : materials.kernels()) {
     KernelUse use;
     use.key = key;
     use.lobes = kernel.source->lobes;
     use.primvars = kernel.source->primvars;
-    use.materials = impl_->materials.MaterialsOf(key);
+    use.materials = materials.MaterialsOf(key);
     use.generateMilliseconds = kernel.generateMilliseconds;
     use.compileMilliseconds = kernel.compileMilliseconds;
     uses.push_back(std::move(use));
   }
   return uses;
+}
+
+std::vector<RenderDelegate::KernelUse> RenderDelegate::kernelUses() const {
+  std::lock_guard lock(impl_->mutex);
+  return impl_->kernelUses;
 }
 
 std::vector<std::pair<std::string, std::string>> RenderDelegate::MaterialSource(const std::string& path) const {

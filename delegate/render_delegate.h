@@ -114,14 +114,14 @@ class RenderDelegate {
   std::vector<wavefront::Diagnostic> diagnostics(size_t since = 0) const { return log_->Read(since); }
   wavefront::Renderer& renderer() { return *renderer_; }
 
-  // Name, lobes and primvars of each kernel, and the materials on it, for statistics.
+  // Name, lobes and primvars of each kernel, and the materials on it, as of the last commit; any thread.
   struct KernelUse {
     std::string key;
     std::vector<std::string> lobes, primvars, materials;
     double generateMilliseconds = 0, compileMilliseconds = 0;
   };
   std::vector<KernelUse> kernelUses() const;
-  // GLSL of a material's kernel entries, for inspection; empty: unknown path or not generated yet.
+  // GLSL of a material's kernel entries, for inspection; empty: unknown path or not generated yet. Not while committing.
   std::vector<std::pair<std::string, std::string>> MaterialSource(const std::string& path) const;
 
  private:

@@ -108,10 +108,29 @@ TEST(RenderDelegate, MaterialsOfOneTopologyShareAKernel) {
     f.delegate->Sync(path, Universal(Network(path, i % 2 ? "odd" : "even", static_cast<float>(i))));
   }
   f.Commit();
-  EXPECT_EQ(f.delegate->counters().kernelsCompiled, 4u);  // and the two defaults
-  EXPECT_EQ(f.renderer->materials.size(), 52u);
-  EXPECT_NE(f.renderer->defaultMaterial, kInvalidId);
-  ASSERT_EQ(f.delegate->kernelUses().size(), 4u);
+  EXPECT_EQ(f.delegate->counters().kernelsCompiled, 2u);  // nobody wears a default
+  EXPECT_EQ(f.renderer->materials.size(), 50u);
+  ASSERT_EQ(f.delegate->kernelUses().size(), 2u);
+}
+
+TEST(RenderDelegate, DefaultsAreMadeWhenWornFirst) {
+  Fixture f;
+  MeshUpdate mesh = Quad();
+  f.delegate->Sync("/plain", mesh);
+  f.Commit();
+  EXPECT_EQ(f.delegate->counters().kernelsCompiled, 1u);
+  ASSERT_NE(f.renderer->defaultMaterial, kInvalidId);
+  EXPECT_EQ(f.renderer->InstancesOf("/plain").materials[0], kInvalidId);  // the core's own
+  mesh.primvars = {{"displayOpacity", "constant", 1, {0.5f}, {}}};
+  f.delegate->Sync("/plain", mesh);
+  f.Commit();
+  EXPECT_EQ(f.delegate->counters().kernelsCompiled, 2u);
+  const uint32_t worn = f.renderer->InstancesOf("/plain").materials[0];
+  EXPECT_EQ(f.renderer->materials.at(worn).kernelKey, "default with opacity");
+  mesh.primvars = std::vector<delegate::PrimvarInput>();
+  f.delegate->Sync("/plain", mesh);
+  f.Commit();
+  EXPECT_EQ(f.renderer->InstancesOf("/plain").materials[0], kInvalidId);
 }
 
 TEST(RenderDelegate, ContextsAreTriedOwnFirstThenMaterialXThenUniversal) {

@@ -188,10 +188,11 @@ class RenderDelegate:
     ) -> None:
         """
         params: the whole set: "type" ("RectLight", "DiskLight", "SphereLight", "CylinderLight", "DistantLight",
-            "DomeLight") and UsdLux inputs by name without "inputs:", as authored (angles in degrees): intensity, exposure,
-            color, enableColorTemperature, colorTemperature, normalize, diffuse, specular, width, height,
-            radius, length, angle, treatAsPoint, treatAsLine, texture:file (an asset, see sync_material), texture:format,
-            shaping:cone:angle, shaping:cone:softness, shaping:focus, shaping:focusTint, shaping:ies:file (only where
+            "DomeLight") and UsdLux inputs by name without "inputs:", as authored (angles in degrees): intensity,
+            exposure, color, enableColorTemperature, colorTemperature, normalize, diffuse, specular, width, height,
+            radius, length, angle, treatAsPoint, treatAsLine, texture:file (an asset, see sync_material),
+            texture:format, shaping:cone:angle, shaping:cone:softness, shaping:focus, shaping:focusTint,
+            shaping:ies:file (only where
             ShapingAPI is applied), shadow:enable, visibleToCamera (bool), poleAxis ("Y" or "Z", domes only).
             Absent ones take UsdLux's fallback. Colours are already in the rendering colour space.
         """
