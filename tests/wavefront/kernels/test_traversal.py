@@ -357,21 +357,21 @@ def test_an_empty_scene(kernel_runner):
 
 
 def light_shape_roots(kind, o, d):
-    """Distances at which lines meet a unit shape, in double; NaN where they do not."""
+    """Distances at which lines meet the shining side of a unit shape, in double; NaN where they do not."""
     with np.errstate(divide="ignore", invalid="ignore"):
         if kind in (KIND_RECT, KIND_DISK):
             t = -o[:, 2] / d[:, 2]
             p = o + t[:, None] * d
             inside = np.abs(p[:, :2]).max(1) <= 0.5 if kind == KIND_RECT else (p[:, :2] ** 2).sum(1) <= 1
-            return np.where(inside, t, np.nan)[:, None]
+            return np.where(inside & (d[:, 2] > 0), t, np.nan)
         axes = slice(1, 3) if kind == KIND_CYLINDER else slice(0, 3)
         a = (d[:, axes] ** 2).sum(1)
         b = (o[:, axes] * d[:, axes]).sum(1)
         c = (o[:, axes] ** 2).sum(1) - 1
         root = np.sqrt(b * b - a * c)
-        t = np.stack([(-b - root) / a, (-b + root) / a], 1)
+        t = (-b - root) / a
         if kind == KIND_CYLINDER:
-            x = o[:, :1] + t * d[:, :1]
+            x = o[:, 0] + t * d[:, 0]
             t = np.where(np.abs(x) <= 0.5, t, np.nan)
         return t
 
@@ -393,28 +393,22 @@ def test_light_shapes_against_their_equations(kernel_runner, kind):
     o = origins.astype(np.float64) @ inverse[:3, :3].T + inverse[:3, 3]
     d = directions.astype(np.float64) @ inverse[:3, :3].T
     roots = light_shape_roots(kind, o, d)
-    ahead = np.where(roots > 0, roots, np.inf)
-    first = np.sort(np.where(np.isnan(ahead), np.inf, ahead), axis=1)
+    first = np.where(roots > 0, roots, np.inf)  # NaN becomes infinite too
     hits = scene.cast(CLOSEST, origins, directions)
-    found = np.isfinite(first[:, 0])
-    assert 0.1 < found.mean() < 0.9
+    found = np.isfinite(first)
+    assert 0.05 < found.mean() < 0.9
     # Where the line only just meets the outline, float and double may disagree.
     wrong = found != (hits.code == 1)
     assert wrong.mean() < 1e-3
     both = found & (hits.code == 1)
-    error = np.abs(hits.t[both] / first[both, 0] - 1)
+    error = np.abs(hits.t[both] / first[both] - 1)
     assert np.quantile(error, 0.999) < 1e-3
     assert np.median(error) < 1e-6
-    # The far side is found behind the near one, and then nothing more.
+    # Behind the shining side there is nothing more: the dark side lets rays through.
     again = scene.cast(CLOSEST, origins, directions, hits.t, np.inf, np.stack([hits.instance, hits.record], 1))
-    second = first[:, 1] if first.shape[1] == 2 else np.full(n, np.inf)
-    expected = both & np.isfinite(second)
-    assert ((again.code == 1) & both != expected).mean() < 1e-3
-    agreed = expected & (again.code == 1)
-    if agreed.any():
-        assert np.median(np.abs(again.t[agreed] / second[agreed] - 1)) < 1e-6
+    assert ((again.code == 1) & both).mean() < 1e-3
     if kind in (KIND_RECT, KIND_DISK):
-        p = (o + first[:, :1] * d)[both, :2] + (0.5 if kind == KIND_RECT else 0)
+        p = (o + first[:, None] * d)[both, :2] + (0.5 if kind == KIND_RECT else 0)
         assert np.quantile(np.abs(hits.uv[both] - p), 0.999) < 1e-4
     assert (scene.cast(SHADOW, origins, directions).code == CLEAR).all()
 

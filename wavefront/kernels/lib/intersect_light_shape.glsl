@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the hdWavefront authors
-// Rays against the analytic light shapes in their unit space (shared/scene_layout.h), from both sides: which side
-// shines is the light's business. Distances below tMin do not count: a ray that goes on behind the near side of a
-// sphere finds the far one.
+// Rays against the analytic light shapes in their unit space (shared/scene_layout.h), on the side that shines: planes
+// towards -Z, round shapes outwards. The dark side is not there, as light shapes throw no shadow either: a camera
+// inside of a sphere light, where stages like to put one, sees the scene. Distances below tMin do not count.
 #ifndef WAVEFRONT_LIB_INTERSECT_LIGHT_SHAPE_GLSL
 #define WAVEFRONT_LIB_INTERSECT_LIGHT_SHAPE_GLSL
 
@@ -34,19 +34,16 @@ bool intersectLightShape(uint kind, vec3 origin, vec3 direction, float tMin, boo
   vec3 e = isCylinder ? vec3(0.0, direction.yz) : direction;
   float ee = dot(e, e), qe = dot(q, e);
   vec3 closest = q - (qe / ee) * e;
-  vec2 roots = unitRoots(ee, qe, dot(q, q), dot(closest, closest));
-  bvec2 valid = bvec2(beyond ? roots.x > tMin : roots.x >= tMin, beyond ? roots.y > tMin : roots.y >= tMin);
-  if (isCylinder) {
-    valid.x = valid.x && abs(origin.x + roots.x * direction.x) <= 0.5;
-    valid.y = valid.y && abs(origin.x + roots.y * direction.x) <= 0.5;
-  }
-  bool validPlane = insidePlane && (beyond ? tPlane > tMin : tPlane >= tMin);
-  t = isPlane ? tPlane : (valid.x ? roots.x : roots.y);
+  float tRound = unitRoots(ee, qe, dot(q, q), dot(closest, closest)).x;  // the second root is the inside's
+  bool validRound = beyond ? tRound > tMin : tRound >= tMin;
+  if (isCylinder) validRound = validRound && abs(origin.x + tRound * direction.x) <= 0.5;
+  bool validPlane = insidePlane && direction.z > 0.0 && (beyond ? tPlane > tMin : tPlane >= tMin);
+  t = isPlane ? tPlane : tRound;
   if (isPlane) {
     u = isRect ? p.x + 0.5 : p.x;
     v = isRect ? p.y + 0.5 : p.y;
   }
-  return isPlane ? validPlane : valid.x || valid.y;
+  return isPlane ? validPlane : validRound;
 }
 
 #endif
