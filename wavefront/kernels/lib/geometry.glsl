@@ -186,7 +186,9 @@ ShadingPoint shadingPointMake(uint instance, uint triangleRecord, vec2 barycentr
     }
     n = transformNormal(o0, o1, o2, n);
     float l2 = dot(n, n);
-    if (l2 > 0.0) sp.normalWorld = n * inversesqrt(l2);
+    // Normals against the winding (smoothed over a fold, or simply wrong in the file) would leave no direction on which
+    // both normals agree, and a black surface: the winding says where outside is.
+    if (l2 > 0.0) sp.normalWorld = n * (dot(n, sp.normalGeometric) < 0.0 ? -inversesqrt(l2) : inversesqrt(l2));
   }
   float cosine = max(abs(dot(sp.normalGeometric, wo)), 0.1);  // a grazing footprint is long; do not blur without bound
   sp.footprint = coneWidth / sqrt(cosine);
