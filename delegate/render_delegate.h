@@ -121,7 +121,8 @@ class RenderDelegate {
     double generateMilliseconds = 0, compileMilliseconds = 0;
   };
   std::vector<KernelUse> kernelUses() const;
-  // GLSL of a material's kernel entries, for inspection; empty: unknown path or not generated yet. Not while committing.
+  // GLSL of a material's kernel entries, for inspection; empty: unknown path or not generated yet. Not while
+  // committing.
   std::vector<std::pair<std::string, std::string>> MaterialSource(const std::string& path) const;
 
  private:
