@@ -477,6 +477,37 @@ def Cube "direct" ( instanceable = true; prepend references = </source> ) {}
     assert [(d.code, d.location) for d in diagnostics] == [("gprim-instanced", "/direct")]
 
 
+def test_element_size_that_contradicts_the_indices(translated):
+    """Seen in files of Maya: the number of values as elementSize."""
+    delegate, diagnostics = translated(
+        """
+def Mesh "m" {
+    int[] faceVertexCounts = [3]
+    int[] faceVertexIndices = [0, 1, 2]
+    point3f[] points = [(0, 0, 0), (1, 0, 0), (0, 1, 0)]
+    texCoord2f[] primvars:st = [(0, 0), (1, 0), (0, 1)] (
+        elementSize = 3
+        interpolation = "faceVarying"
+    )
+    int[] primvars:st:indices = [0, 2, 1]
+}
+"""
+    )
+    (st,) = [p for p in delegate.told["/m"]["primvars"] if p[0] == "st"]
+    assert st[2].shape == (3, 2) and list(st[3]) == [0, 2, 1]
+    assert [(d.code, d.location) for d in diagnostics] == [("primvar-bad-size", "/m.primvars:st")]
+
+
+def test_shadows_that_no_light_casts_are_said(translated):
+    _, diagnostics = translated(
+        """
+def SphereLight "odd" { color3f inputs:shadow:color = (1, 0, 0); float inputs:shadow:distance = 3 }
+def SphereLight "plain" { color3f inputs:shadow:color = (0, 0, 0); float inputs:shadow:falloff = -1 }
+"""
+    )
+    assert [(d.code, d.location) for d in diagnostics] == [("light-unsupported-input", "/odd")] * 2
+
+
 def test_lights_that_the_camera_shall_not_see(translated):
     """UsdLux has no attribute for it; the ones that stages carry are understood, and the first one found counts."""
     delegate, _ = translated(

@@ -59,9 +59,26 @@ def primvar_update(
     array = float_array(primvar.Get(translation.time))
     if array is None or array.size == 0:
         return None
+    indices = None
+    if primvar.IsIndexed():
+        authored = primvar.GetIndices(translation.time)
+        if authored is not None:
+            indices = np.asarray(authored, dtype=np.int32)
     element_size = primvar.GetElementSize()
     if type_name.isArray:
         array = array.reshape(array.shape[0], -1)
+        if (
+            element_size > 1
+            and indices is not None
+            and len(array) > indices.max(initial=0) >= len(array) // element_size
+        ):
+            # Exporters write the number of values here; Hydra does not look at it.
+            translation.diagnostics.warning(
+                "primvar-bad-size",
+                primvar.GetAttr().GetPath(),
+                f"elementSize {element_size} does not fit the primvar's indices; it is taken as 1",
+            )
+            element_size = 1
         if element_size > 1:
             if array.shape[0] % element_size:
                 translation.diagnostics.warning(
@@ -76,11 +93,6 @@ def primvar_update(
     components = array.shape[1] if array.ndim == 2 else 1
     if components > _MAX_COMPONENTS:  # matrices and the like: nothing that a material can read
         return None
-    indices = None
-    if primvar.IsIndexed():
-        authored = primvar.GetIndices(translation.time)
-        if authored is not None:
-            indices = np.asarray(authored, dtype=np.int32)
     return (
         name or str(primvar.GetPrimvarName()),
         interpolation or str(primvar.GetInterpolation()),
