@@ -13,7 +13,7 @@ CASES = sorted(p.parent for p in FOLDER.glob("*/case.json"))
 def test_cases_are_complete():
     """A folder that is half a case would be passed over in silence."""
     assert CASES
-    scenes = {p.parent for p in FOLDER.glob("*/scene.usda")}
+    scenes = {p.parent for p in FOLDER.glob("*/scene.usda") if not p.parent.name.startswith("Mitsuba.")}
     assert scenes == set(CASES)
     assert all(p.name.count(".") == 1 for p in CASES)
 
