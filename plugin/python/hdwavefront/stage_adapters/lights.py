@@ -78,8 +78,16 @@ def _shaping(translation: Translation, prim: Usd.Prim) -> Update:
     return params
 
 
+# ShadowAPI's ways out of physics -> the value that changes nothing.
+_SHADOW_NEUTRAL: dict[str, Any] = {"shadow:color": (0, 0, 0), "shadow:distance": -1, "shadow:falloff": -1}
+
+
 def _report_unsupported(translation: Translation, prim: Usd.Prim, path: str) -> None:
     warn = translation.diagnostics.warning
+    for name, neutral in _SHADOW_NEUTRAL.items():
+        value = _input(prim, name, translation.time)
+        if value is not None and value != neutral:
+            warn("light-unsupported-input", path, f"inputs:{name} is not supported; shadows are as light casts them")
     for api, code, what in (("link", "light-link", "light linking"), ("shadow:link", "shadow-link", "shadow linking")):
         names = [str(n) for n in prim.GetAuthoredPropertyNames()]
         prefixes = [
