@@ -439,3 +439,12 @@ def test_five_lines_of_python(scene, tmp_path, recorded):
     assert render.map("color").shape == (8, 16, 4)
     with pytest.raises(hdwavefront.UsageError, match="no AOV"):
         hdwavefront.open(scene, aovs=["none"])
+
+
+@pytest.mark.parametrize("mode", ["disabled", "sRGB"])
+def test_colour_of_exr_files_is_premultiplied_in_every_mode(run, scene, tmp_path, monkeypatch, mode):
+    """The recording delegate's pixels are colour and alpha 0.25 each: premultiplied white, which no mode changes."""
+    output = tmp_path / "o.exr"
+    assert run("record", scene, output, "-w", 8, "--colorCorrectionMode", mode)[0] == 0
+    pixels = oiio.ImageInput.open(str(output)).read_image(oiio.FLOAT)
+    assert pixels[..., 3].max() == pytest.approx(0.25) and pixels[..., 0].max() == pytest.approx(0.25)

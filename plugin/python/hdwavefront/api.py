@@ -365,8 +365,10 @@ class Render:
             layers = {aov: self.map(aov) for aov in wanted}
             writer.write_linear(path, layers, metadata, self.colors.rendering_space)
             return
-        encoded = self._encode(self.map("color"), keep_alpha=writer.extension(path) not in (".jpg", ".jpeg", ".bmp"))
-        if writer.extension(path) == ".exr":
+        kind = writer.extension(path)
+        encoded = self._encode(self.map("color"), keep_alpha=writer.holds_alpha(path))
+        if kind == ".exr":
+            encoded[..., :3] *= encoded[..., 3:4]  # colour in EXR files is premultiplied, whatever it is encoded for
             others = {aov: self.map(aov) for aov in wanted if aov != "color"}
             writer.write_linear(path, {"color": encoded, **others}, metadata, "")
             return
@@ -386,7 +388,7 @@ class Render:
     def _is_linear(self, path: str) -> bool:
         from .image_io import writer
 
-        if self._color_mode is None and not (self._display or self._view):
+        if self._color_mode == "disabled" or (self._color_mode is None and not (self._display or self._view)):
             return writer.is_scene_linear(path)
         return False
 

@@ -61,6 +61,10 @@ def is_scene_linear(path: str) -> bool:
     return FORMATS[extension(path)][0]
 
 
+def holds_alpha(path: str) -> bool:
+    return extension(path) in _HOLDS_ALPHA or extension(path) == ".exr"
+
+
 def check_output(path: str, aovs: list[str] | tuple[str, ...] = ("color",)) -> None:
     """Everything that can be known to go wrong before a render, as one clear error."""
     known = ", ".join(FORMATS)
