@@ -174,6 +174,25 @@ Surface Builder::Fallback() {
   return surface;
 }
 
+// MaterialX's graph of standard_surface does not read these inputs at all, so nobody else could say it.
+void Builder::SayIgnoredTransmission(const Entry& entry) {
+  const auto isSet = [&](const char* input) {
+    if (entry.connections.count(input)) return true;
+    const auto found = entry.node->parameters.find(input);
+    if (found == entry.node->parameters.end()) return false;
+    if (const float* number = std::get_if<float>(&found->second)) return *number != 0;
+    const auto* color = std::get_if<std::array<float, 3>>(&found->second);
+    return color && *color != std::array<float, 3>{};
+  };
+  if (!isSet("transmission")) return;
+  const auto say = [&](const char* input, const char* text) {
+    if (isSet(input)) Say(Severity::Warning, "material-unsupported-feature", entry.node->path, text);
+  };
+  say("transmission_scatter", "transmission_scatter is ignored: the body does not scatter");
+  say("transmission_depth", "transmission_depth is ignored: transmission_color tints at the surface");
+  say("transmission_dispersion", "transmission_dispersion is ignored: all colours refract alike");
+}
+
 void Builder::BuildEntry(Entry* entry) {
   current_ = entry->node;
   entry->definition = library_.Find(entry->node->identifier);
@@ -192,6 +211,7 @@ void Builder::BuildEntry(Entry* entry) {
       Say(Severity::Warning, "material-unsupported-feature", entry->node->path, "displacement is ignored");
     }
   }
+  if (entry->definition->category == "standard_surface") SayIgnoredTransmission(*entry);
   Node node;
   node.definition = entry->definition;
   for (const PortDefinition& input : entry->definition->inputs) node.inputs.push_back(NetworkInput(entry, input));

@@ -65,6 +65,7 @@ class Builder {
 
   void Index();
   std::vector<uint32_t> Order(uint32_t root);
+  void SayIgnoredTransmission(const Entry& entry);
   void BuildEntry(Entry* entry);
   Port NetworkInput(Entry* entry, const PortDefinition& definition);
   Port AuthoredInput(const materialgen::Node& node, const PortDefinition& definition, const Value& value);

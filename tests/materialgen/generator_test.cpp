@@ -254,6 +254,20 @@ TEST(MaterialGen, UnsupportedFeaturesAreSaidOnce) {
   EXPECT_EQ(count({{"thin_film_thickness", 300.0f}, {"metalness", 0.5f}, {"subsurface", 0.5f}}), 2);
 }
 
+// MaterialX's graph of standard_surface leaves these out; a user who sets them has to know.
+TEST(MaterialGen, TransmissionInputsThatNothingReadsAreSaid) {
+  const auto count = [](std::map<std::string, Value> parameters) {
+    const Result result = RunNetwork(Standard(std::move(parameters)));
+    return std::count_if(result.messages.begin(), result.messages.end(),
+                         [](const Message& m) { return m.code == "material-unsupported-feature"; });
+  };
+  EXPECT_EQ(count({{"transmission", 1.0f}}), 0);
+  EXPECT_EQ(count({{"transmission", 1.0f}, {"transmission_scatter", Color{0.5f, 0.2f, 0}}}), 1);
+  EXPECT_EQ(count({{"transmission", 1.0f}, {"transmission_depth", 2.0f}, {"transmission_dispersion", 20.0f}}), 2);
+  EXPECT_EQ(count({{"transmission", 1.0f}, {"transmission_scatter", Color{0, 0, 0}}, {"transmission_depth", 0.0f}}), 0);
+  EXPECT_EQ(count({{"transmission", 0.0f}, {"transmission_scatter", Color{1, 1, 1}}}), 0);
+}
+
 TEST(MaterialGen, OpacityModes) {
   const auto opacity = [](std::map<std::string, Value> p) {
     return !RunNetwork(Preview(std::move(p))).material.kernel->opacity.empty();
