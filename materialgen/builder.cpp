@@ -175,6 +175,7 @@ Surface Builder::Fallback() {
 }
 
 // MaterialX's graph of standard_surface does not read these inputs at all, so nobody else could say it.
+// (transmission_depth is rendered: see EvaluateTransmissionDepth.)
 void Builder::SayIgnoredTransmission(const Entry& entry) {
   const auto isSet = [&](const char* input) {
     if (entry.connections.count(input)) return true;
@@ -189,7 +190,6 @@ void Builder::SayIgnoredTransmission(const Entry& entry) {
     if (isSet(input)) Say(Severity::Warning, "material-unsupported-feature", entry.node->path, text);
   };
   say("transmission_scatter", "transmission_scatter is ignored: the body does not scatter");
-  say("transmission_depth", "transmission_depth is ignored: transmission_color tints at the surface");
   say("transmission_dispersion", "transmission_dispersion is ignored: all colours refract alike");
 }
 
@@ -412,6 +412,7 @@ Port Builder::EvaluateGraph(const Node& node, const std::string& output, int dep
     instance.definition = inner.definition;
     instance.name = inner.name;
     instance.owner = node.definition;
+    instance.ownerInputs = &node.inputs;
     for (const PortDefinition& input : inner.definition->inputs) {
       const auto given = std::find_if(inner.inputs.begin(), inner.inputs.end(),
                                       [&](const GraphInput& candidate) { return candidate.name == input.name; });

@@ -48,6 +48,7 @@ class Builder {
     std::vector<Port> inputs;
     std::string name;                       // within its graph; empty for nodes of the network
     const NodeDefinition* owner = nullptr;  // definition whose graph holds it; null for nodes of the network
+    const std::vector<Port>* ownerInputs = nullptr;  // of that definition, in its order
   };
   std::vector<Message> TakeMessages() { return std::move(messages_); }
   bool CallsLibrary() const { return callsLibrary_; }
@@ -109,10 +110,12 @@ class NodeEvaluator {
 
  private:
   Id In(std::string_view name, Type type = Type::None);  // the expression, converted where a type is given
+  Id OwnerIn(std::string_view name);  // an input of the definition whose graph holds this node
   bool InText(std::string_view name, std::string* text);
   bool Number(Port* result, Id id);
   Type OutputType() const;
   bool EvaluateOverride(Port* result);
+  bool EvaluateTransmissionDepth(Port* result);
   bool EvaluateArithmetic(Port* result);
   bool EvaluateChannels(Port* result);
   bool EvaluateChoice(Port* result);

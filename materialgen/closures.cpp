@@ -13,7 +13,9 @@ namespace materialgen {
 // refracting interface; USD's renderers let light through straight, shadows included, and keep the highlights, which is
 // what assets are made for (cut-out leaves, windows of one sheet).
 bool NodeEvaluator::EvaluateOverride(Port* result) {
-  if (!node_.owner || node_.owner->category != "UsdPreviewSurface") return false;
+  if (!node_.owner) return false;
+  if (node_.owner->category == "standard_surface" && node_.name == "transmission_bsdf") return EvaluateTransmissionDepth(result);
+  if (node_.owner->category != "UsdPreviewSurface") return false;
   if (node_.name == "transmission_bsdf") {
     Bsdf through;
     through.kind = Bsdf::Kind::PassThrough;
@@ -27,6 +29,25 @@ bool NodeEvaluator::EvaluateOverride(Port* result) {
     return true;
   }
   return false;
+}
+
+// Autodesk's standard_surface: with a transmission_depth, transmission_color is what is left of white light after that
+// distance inside (Beer-Lambert), and the interface itself tints nothing. MaterialX's graph leaves the depth out.
+bool NodeEvaluator::EvaluateTransmissionDepth(Port* result) {
+  const Id depth = OwnerIn("transmission_depth"), isThin = OwnerIn("thin_walled");
+  if (depth == kNone || e_.Decide(depth, 0) || (isThin != kNone && e_.Scalar(isThin) != 0)) return false;
+  if (!EvaluateBsdf(result)) return false;
+  Bsdf& lobe = b_.bsdfs_[result->id];
+  const Id left = e_.Arithmetic("clamp", {lobe.tint, e_.Number(1e-4f), e_.Number(1)});
+  lobe.tint = e_.Number(1);
+  Bsdf body;
+  body.kind = Bsdf::Kind::Volume;
+  body.first = result->id;
+  body.factor = e_.Arithmetic("divide", {e_.Arithmetic("multiply", {e_.Arithmetic("ln", {left}), e_.Number(-1)}),
+                                         e_.Arithmetic("max", {depth, e_.Number(1e-6f)})});
+  b_.bsdfs_.push_back(body);
+  *result = {Type::Bsdf, Id(b_.bsdfs_.size() - 1)};
+  return true;
 }
 
 // A frame per distinct (normal, tangent); isotropic lobes need no tangent.

@@ -50,6 +50,12 @@ int IndexOf(float number, int last) {
 
 }  // namespace
 
+Id NodeEvaluator::OwnerIn(std::string_view name) {
+  for (size_t i = 0; node_.owner && node_.ownerInputs && i < node_.ownerInputs->size(); ++i)
+    if (node_.owner->inputs[i].name == name) return (*node_.ownerInputs)[i].id;
+  return kNone;
+}
+
 Id NodeEvaluator::In(std::string_view name, Type type) {
   for (size_t i = 0; i < node_.inputs.size(); ++i) {
     if (node_.definition->inputs[i].name != name) continue;

@@ -263,7 +263,7 @@ TEST(MaterialGen, TransmissionInputsThatNothingReadsAreSaid) {
   };
   EXPECT_EQ(count({{"transmission", 1.0f}}), 0);
   EXPECT_EQ(count({{"transmission", 1.0f}, {"transmission_scatter", Color{0.5f, 0.2f, 0}}}), 1);
-  EXPECT_EQ(count({{"transmission", 1.0f}, {"transmission_depth", 2.0f}, {"transmission_dispersion", 20.0f}}), 2);
+  EXPECT_EQ(count({{"transmission", 1.0f}, {"transmission_depth", 2.0f}, {"transmission_dispersion", 20.0f}}), 1);
   EXPECT_EQ(count({{"transmission", 1.0f}, {"transmission_scatter", Color{0, 0, 0}}, {"transmission_depth", 0.0f}}), 0);
   EXPECT_EQ(count({{"transmission", 0.0f}, {"transmission_scatter", Color{1, 1, 1}}}), 0);
 }
