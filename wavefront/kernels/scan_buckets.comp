@@ -76,6 +76,7 @@ void main() {
     counters[at + kBucketArgs + 1u] = 1u;
     counters[at + kBucketArgs + 2u] = 1u;
     add64(at + kBucketItemsLo, run);
+    counters[at + kBucketPeak] = max(counters[at + kBucketPeak], run);
     offset += count;
   }
 }

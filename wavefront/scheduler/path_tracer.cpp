@@ -319,9 +319,11 @@ void PathTracer::ReadStatus(const uint32_t* c) {
     status_.queuePeak[q] = std::max(before_.queuePeak[q], c[kQueueBase + q * kQueueStride + kQueuePeak]);
   }
   status_.bucketItems.resize(bucketCount_);
+  status_.bucketPeak.resize(bucketCount_);
   for (uint32_t b = 0; b < bucketCount_; ++b) {
     const uint64_t earlier = b < before_.bucketItems.size() ? before_.bucketItems[b] : 0;
     status_.bucketItems[b] = earlier + u64(kBucketBase + b * kBucketStride + kBucketItemsLo);
+    status_.bucketPeak[b] = std::max(b < before_.bucketPeak.size() ? before_.bucketPeak[b] : 0u, c[kBucketBase + b * kBucketStride + kBucketPeak]);
   }
 }
 

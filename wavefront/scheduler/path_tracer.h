@@ -35,6 +35,7 @@ struct LoopStatus {
   std::array<uint64_t, kQueueKinds> queueItems{};  // by row of queues.def
   std::array<uint32_t, kQueueKinds> queuePeak{};
   std::vector<uint64_t> bucketItems;  // new paths, then material buckets
+  std::vector<uint32_t> bucketPeak;
 };
 
 // One thread at a time.

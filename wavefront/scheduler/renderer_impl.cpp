@@ -282,11 +282,11 @@ void RendererImpl::Publish() {
     const std::size_t row = kKernelCount + b - layout::kFirstMaterialBucket;
     if (row < s.kernels.size()) s.kernels[row].items = loop.bucketItems[b];
   }
-  s.queues = {{"newPath", loop.pathsStarted, 0}};
+  s.queues = {{"newPath", loop.pathsStarted, loop.bucketPeak.empty() ? 0u : loop.bucketPeak[layout::kBucketNewPath]}};
   for (uint32_t q = 0; q < kQueueKinds; ++q) s.queues.push_back({kQueueNames[q], loop.queueItems[q], loop.queuePeak[q]});
   for (std::size_t b = layout::kFirstMaterialBucket; b < loop.bucketItems.size(); ++b) {
     const std::size_t row = kKernelCount + b - layout::kFirstMaterialBucket;
-    if (row < s.kernels.size()) s.queues.push_back({s.kernels[row].name, loop.bucketItems[b], 0});
+    if (row < s.kernels.size()) s.queues.push_back({s.kernels[row].name, loop.bucketItems[b], loop.bucketPeak[b]});
   }
   s.paths = loop.pathsStarted - std::min(loop.pathsStarted, loop.active);
   s.segments = s.extensionRays = queued(Queue::ExtensionRay);

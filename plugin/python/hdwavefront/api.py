@@ -18,7 +18,7 @@ from .errors import Diagnostic, Diagnostics, HdWavefrontError, UsageError
 REFINE_LEVELS = {"low": 0, "medium": 1, "high": 2, "veryhigh": 3}
 COLOR_MODES = ("disabled", "sRGB", "openColorIO")
 MAX_SIDE = 65536
-MAX_PIXELS = 1 << 28
+MAX_PIXELS = 1 << 26
 DEFAULT_WIDTH = 960
 
 _DATA_FOLDER = os.path.join(os.path.dirname(os.path.abspath(__file__)), "data")
