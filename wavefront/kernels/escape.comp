@@ -12,6 +12,7 @@
 #include "lib/path_state.glsl"
 #include "lib/queue.glsl"
 #include "lib/film.glsl"
+#include "lib/contribute.glsl"
 #include "lib/lights/light_table.glsl"
 
 layout(local_size_x = 64) in;
@@ -59,7 +60,8 @@ void main() {
   vec4 origin = uintBitsToFloat(loadPath(kChunkRayOrigin, path));
   vec3 direction = uintBitsToFloat(loadPath(kChunkRayDirection, path)).xyz;
   vec4 radiance = uintBitsToFloat(loadPath(kChunkRadiance, path));
-  float spread = uintBitsToFloat(loadPath(kChunkCone, path)).x;
+  uvec4 cone = loadPath(kChunkCone, path);
+  float spread = uintBitsToFloat(cone.x);
   vec3 found;
   if (hit.x == 0xffffffffu) {
     found = missRadiance(direction, throughput.a, spread, radiance.a);
@@ -67,7 +69,7 @@ void main() {
     float t = uintBitsToFloat(extra.x);
     found = shapeRadiance(hit.x, origin.xyz, direction, t, uintBitsToFloat(extra.w) + spread * t, throughput.a);
   }
-  radiance.rgb += throughput.rgb * found;
+  radiance = contribute(radiance, throughput.rgb * found, cone.w, kNoLightGroup);
   if (hit.x != 0xffffffffu && pathBounce(ids.w) != 0u) {
     storePathF(kChunkRadiance, path, radiance);
     storePath(kChunkRayOrigin, path, uvec4(floatBitsToUint(origin.xyz), extra.x));

@@ -17,6 +17,7 @@
 #include "lib/film.glsl"
 #include "lib/records.glsl"
 #include "lib/media.glsl"
+#include "lib/contribute.glsl"
 
 layout(local_size_x = 64) in;
 
@@ -32,7 +33,8 @@ void main() {
   } else if (phase == kPhaseReady) {
     vec4 radiance = uintBitsToFloat(loadPath(kChunkRadiance, path));
     if ((ids.w & kFlagShadow) != 0u) {
-      radiance.rgb += uintBitsToFloat(loadPath(kChunkShadowContribution, path)).rgb;
+      vec3 seen = uintBitsToFloat(loadPath(kChunkShadowContribution, path)).rgb;
+      radiance = contribute(radiance, seen, loadPath(kChunkCone, path).w, kNoLightGroup);
       ids.w &= ~kFlagShadow;
     }
     bool ended = (ids.w & kFlagEnd) != 0u;

@@ -185,6 +185,8 @@ LightTable BuildLightTable(std::vector<LightData> lights, std::vector<EmissiveTr
     }
     uint32_t flags = (light.visibleToCamera ? layout::kLightFlagCameraVisible : 0u) | (light.castsShadows ? layout::kLightFlagShadows : 0u);
     if (Determinant3(sized) < 0) flags |= layout::kLightFlagMirrored;
+    flags |= (light.lightLink & 0xffu) << layout::kLightLinkShift | (light.shadowLink & 0xffu) << layout::kShadowLinkShift |
+             (light.lightGroup & 0xffu) << layout::kLightGroupShift;
     const double lx = Length(sized, 0), ly = Length(sized, 1), lz = Length(sized, 2), largest = std::max({lx, ly, lz});
     auto orthogonalRelative = [&](int a, int b, double lengths) {
       double d = 0;

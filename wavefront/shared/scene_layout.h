@@ -89,6 +89,10 @@ WF_CONST(kLightDome, 5u)
 WF_CONST(kLightFlagCameraVisible, 1u)
 WF_CONST(kLightFlagShadows, 2u)
 WF_CONST(kLightFlagMirrored, 4u)      // negative determinant
+// The upper bytes of the flags hold groups that nothing reads yet: light linking, shadow linking, light group AOVs.
+WF_CONST(kLightLinkShift, 8u)
+WF_CONST(kShadowLinkShift, 16u)
+WF_CONST(kLightGroupShift, 24u)
 WF_CONST(kLightFlagUniform, 8u)       // uniform scale: spheres are sampled by solid angle
 WF_CONST(kLightFlagRectangular, 16u)  // x and y stay perpendicular: rect lights are sampled by solid angle
 

@@ -7,3 +7,4 @@
 #include "lib/mis.glsl"
 #include "lib/ray_offset.glsl"
 #include "lib/film.glsl"
+#include "lib/contribute.glsl"

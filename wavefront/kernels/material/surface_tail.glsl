@@ -130,7 +130,7 @@ void main() {
   }
   if (kHasEmission) {
     vec4 radiance = uintBitsToFloat(loadPath(kChunkRadiance, path));
-    storePathF(kChunkRadiance, path, vec4(radiance.rgb + throughput * surfaceEmission(sp, c, throughputPdf.a, t), radiance.a));
+    storePathF(kChunkRadiance, path, contribute(radiance, throughput * surfaceEmission(sp, c, throughputPdf.a, t), coneBits.w, kNoLightGroup));
   }
   ids.w &= ~((0xffu << kPassShift) | (0xffu << kShadowPassShift));
   if (bounce >= frame.maxBounces) {
@@ -160,6 +160,7 @@ void main() {
   }
   bool front = dot(wo, sp.normalGeometric) >= 0.0;
   bool transmitted = (dot(wi, sp.normalGeometric) >= 0.0) != front;
+  uint events = coneBits.w | (transmitted ? kEventTransmission : kEventReflection);
   if (kHasTransmission && transmitted) crossBoundary(path, front, c.interiorExtinction);
 
   storePathF(kChunkRayOrigin, path, vec4(offsetRayOrigin(sp.positionWorld, error, sp.normalGeometric, wi), 0.0));
@@ -168,7 +169,7 @@ void main() {
   storePath(kChunkHitDistance, path, uvec4(0u, hit.x, hit.y, floatBitsToUint(coneWidth)));
   storePathF(kChunkThroughput, path, vec4(throughput * sampled.rgb / sampled.a, sampled.a));
   // A rough bounce widens the cone: about the angle of the solid angle 1/pdf, bounded so that textures never turn to mush.
-  storePath(kChunkCone, path, uvec4(floatBitsToUint(min(spread + 0.125 * inversesqrt(sampled.a), 0.25)), coneBits.yzw));
+  storePath(kChunkCone, path, uvec4(floatBitsToUint(min(spread + 0.125 * inversesqrt(sampled.a), 0.25)), coneBits.yz, events));
   storePath(kChunkIds, path, uvec4(ids.xyz, ids.w + (1u << kBounceShift)));
   pushExtensionRay(path);
 }
