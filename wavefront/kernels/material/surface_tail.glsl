@@ -66,6 +66,16 @@ bool passThrough(uint path, inout uvec4 ids, Closure c, uvec4 hit, uvec4 extra, 
   return true;
 }
 
+// Beer-Lambert on the way to the light sample, as the logic kernel applies it to extension rays: by the medium on the
+// light's side of the surface. Lights at infinity are seen from open bodies without loss, there as here.
+vec3 lightExtinction(uint path, ShadingPoint sp, Closure c, vec4 light) {
+  bool front = dot(sp.wo, sp.normalGeometric) >= 0.0;
+  bool crosses = (dot(light.xyz, sp.normalGeometric) >= 0.0) != front;
+  vec3 extinction = mediumExtinction(loadPath(kChunkMediaA, path), loadPath(kChunkMediaB, path));
+  if (crosses) extinction = kHasTransmission && front ? c.interiorExtinction : vec3(0.0);
+  return light.w < 1e29 ? exp(-extinction * light.w) : vec3(1.0);
+}
+
 // The light sample, weighed: casts a shadow ray if it is worth one. `value`: closure towards the light, and its pdf.
 void castShadowRay(uint path, inout uvec4 ids, ShadingPoint sp, vec3 error, uvec4 hit, vec3 throughput, vec4 light,
                    vec4 lightRadiance, uint item, vec4 value) {
@@ -153,6 +163,7 @@ void main() {
   }
 
   vec3 error = surfacePointError(sp.instance, gCorner0, gCorner1, gCorner2, sp.positionWorld);
+  lit.rgb *= lightExtinction(path, sp, c, light);
   castShadowRay(path, ids, sp, error, hit, throughput, light, lightRadiance, coneBits.z, lit);
   if (!(sampled.a > 0.0) || !(max(sampled.r, max(sampled.g, sampled.b)) > 0.0)) {
     storePath(kChunkIds, path, uvec4(ids.xyz, ids.w | kFlagEnd));
