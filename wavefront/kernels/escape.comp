@@ -28,6 +28,7 @@ vec3 missRadiance(vec3 direction, float bsdfPdf, float coneSpread, inout float a
     float pdf = dome ? domePdf(l, direction) : distantPdf(l, direction);
     if (!dome && pdf == 0.0) continue;
     float weight = camera ? 1.0 : powerHeuristic(bsdfPdf, pdf * lightItemProbability(l.item));
+    if (!camera && !castsShadow(l.flags)) weight = 0.0;
     // A light sample reads the texture sharp. Where it shares the estimate, both must see one radiance: a blurred sun
     // would be added once more beside the place where light samples find it.
     sum += weight * lightRadiance(l, -direction, vec3(0.0), camera ? coneSpread * 0.15915494309 : 0.0);
@@ -45,6 +46,7 @@ vec3 shapeRadiance(uint instance, vec3 origin, vec3 direction, float t, float wi
   vec3 area = lightAreaVector(l, unitNormal(l.type, unitPoint));
   if (dot(area, direction) >= 0.0) return vec3(0.0);
   float weight = bsdfPdf == 0.0 ? 1.0 : powerHeuristic(bsdfPdf, shapeHitPdf(l, origin, direction, t, unitPoint) * lightItemProbability(l.item));
+  if (bsdfPdf != 0.0 && !castsShadow(l.flags)) weight = 0.0;
   // As in missRadiance: sharp where a light sample shares the estimate.
   float footprint = bsdfPdf == 0.0 ? width / max(sqrt(length(area)), 1e-20) : 0.0;
   return weight * lightRadiance(l, -direction, unitPoint, footprint);

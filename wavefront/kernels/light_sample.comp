@@ -30,7 +30,10 @@ void main() {
   vec3 radiance;
   // Finest texture level: the many points of many paths filter by themselves.
   LightSample light = sampleLightItem(item, p, sample2D(ids.z, ids.y, bouncePair(bounce, kPairLightPoint)), 0.0, radiance);
-  storePathF(kChunkLightSample, path, vec4(light.direction, light.distance));
+  // A negative distance says that nothing blocks this light.
+  uvec4 record = lightItem(item);
+  uint flags = record.y != kNoLight ? kLightFlagShadows : floatBitsToUint(lightTexel(record.x, 0u)).y;
+  storePathF(kChunkLightSample, path, vec4(light.direction, castsShadow(flags) ? light.distance : -light.distance));
   storePathF(kChunkLightRadiance, path, vec4(radiance, light.pdf));
   storePath(kChunkCone, path, uvec4(floatBitsToUint(cone.xy), item, floatBitsToUint(cone.w)));
 }

@@ -21,7 +21,7 @@ void main() {
   uvec4 lastHit = loadPath(kChunkShadowHit, path);
   uint result = kShadowClear;
   Hit hit;
-  if (frame.hasGeometry != 0u) {
+  if (frame.hasGeometry != 0u && light.w > 0.0) {
     result = traverseShadow(Ray(o.xyz, o.w, light.xyz, light.w), 4u, lastHit.x, lastHit.y, hit);
   }
   uint phase = kPhaseReady;

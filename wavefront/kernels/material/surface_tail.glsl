@@ -12,7 +12,7 @@ vec3 surfaceEmission(ShadingPoint sp, Closure c, float bsdfPdf, float t) {
   if (bsdfPdf > 0.0 && itemBase != kNoLight) {
     float pick = uintBitsToFloat(texelFetch(lightItems, int(itemBase + sp.triangle)).z);
     float pdf = pick * trianglePdf(gEdge1World, gEdge2World, sp.wo, t);
-    weight = powerHeuristic(bsdfPdf, pdf);
+    weight = (frame.flags & kFrameShadows) != 0u ? powerHeuristic(bsdfPdf, pdf) : 0.0;  // as castsShadow of lights/record.glsl
   }
   return weight * c.emission;
 }
@@ -73,21 +73,22 @@ vec3 lightExtinction(uint path, ShadingPoint sp, Closure c, vec4 light) {
   bool crosses = (dot(light.xyz, sp.normalGeometric) >= 0.0) != front;
   vec3 extinction = mediumExtinction(loadPath(kChunkMediaA, path), loadPath(kChunkMediaB, path));
   if (crosses) extinction = kHasTransmission && front ? c.interiorExtinction : vec3(0.0);
-  return light.w < 1e29 ? exp(-extinction * light.w) : vec3(1.0);
+  return abs(light.w) < 1e29 ? exp(-extinction * abs(light.w)) : vec3(1.0);
 }
 
 // The light sample, weighed: casts a shadow ray if it is worth one. `value`: closure towards the light, and its pdf.
 void castShadowRay(uint path, inout uvec4 ids, ShadingPoint sp, vec3 error, uvec4 hit, vec3 throughput, vec4 light,
                    vec4 lightRadiance, uint item, vec4 value) {
   if (!(lightRadiance.a > 0.0)) return;
-  float weight = powerHeuristic(lightRadiance.a, value.a);
+  bool shadowless = light.w < 0.0;
+  float weight = shadowless ? 1.0 : powerHeuristic(lightRadiance.a, value.a);
   vec3 contribution = throughput * value.rgb * lightRadiance.rgb * (weight / lightRadiance.a);
   if (!(max(contribution.r, max(contribution.g, contribution.b)) > 0.0)) return;
   bool triangle = texelFetch(lightItems, int(item)).y != kNoLight;
   vec3 from = offsetRayOrigin(sp.positionWorld, error, sp.normalGeometric, light.xyz);
   // An emissive triangle ends the shadow ray just before it; analytic lights never block. The ray is aimed from where it
   // starts: along the old direction it would meet a triangle close to the surface's plane too early.
-  if (triangle) {
+  if (triangle && !shadowless) {
     vec3 toLight = sp.positionWorld + light.xyz * light.w - from;
     float distance = length(toLight);
     if (distance > 0.0) light.xyz = toLight / distance;

@@ -31,6 +31,9 @@ Light lightLoad(uint index) {
   return l;
 }
 
+// A light that throws no shadow is found by light samples only: bounce rays, which things do block, must not count it.
+bool castsShadow(uint lightFlags) { return (frame.flags & kFrameShadows) != 0u && (lightFlags & kLightFlagShadows) != 0u; }
+
 vec3 lightColumn(Light l, int c) { return vec3(l.r0[c], l.r1[c], l.r2[c]); }
 vec3 lightPoint(Light l, vec3 p) { vec4 q = vec4(p, 1.0); return vec3(dot(l.r0, q), dot(l.r1, q), dot(l.r2, q)); }
 vec3 toLightSpace(Light l, vec3 v) { return vec3(dot(l.w0.xyz, v), dot(l.w1.xyz, v), dot(l.w2.xyz, v)); }
