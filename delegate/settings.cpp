@@ -116,6 +116,7 @@ void SettingValues::FillInto(wavefront::RenderSettings& settings) const {
   settings.radianceClamp = static_cast<float>(std::get<double>(Get("radianceClamp").value()));
   settings.cameraVisibleDome = Bool("domeLightCameraVisibility");
   settings.shadows = Bool("enableShadows");
+  settings.interactive = Bool("enableInteractive");
 }
 
 }  // namespace delegate

@@ -41,7 +41,8 @@ struct RendererOptions {
   DiagnosticSink diagnostics;  // may be called from any thread
 };
 
-// What one render is made of. The image is a pure function of (scene, camera, these but poolSize, samplesPerBatch, bandRows).
+// What one render is made of. The image is a pure function of (scene, camera, these but poolSize, samplesPerBatch, bandRows,
+// interactive).
 struct RenderSettings {
   uint32_t width = 0, height = 0;
   uint32_t firstSample = 0, samples = 64;  // the range [firstSample, firstSample + samples)
@@ -55,6 +56,7 @@ struct RenderSettings {
   float radianceClamp = 0;                 // 0: only the film's stated limit
   bool cameraVisibleDome = true;           // dome lights seen by camera rays
   bool shadows = true;
+  bool interactive = false;                // short submits, so that an edit is answered at once; restarts nothing
   std::vector<Aov> aovs;                   // Color is always there
 };
 

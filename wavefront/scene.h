@@ -106,6 +106,7 @@ struct MaterialData {
   std::string kernelKey;                 // of a kernel registered before
   std::vector<Float4> parameters;        // parameter block, layout by materialgen; texture ids are stored as
                                          // the bits of a uint in one float component
+  uint8_t mediumPriority = 0;            // 0..31: where transmissive bodies overlap, the highest fills the overlap
 };
 
 enum class TexelFormat : uint32_t { Rgba8Unorm, Rgba16Float };

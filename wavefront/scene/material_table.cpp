@@ -66,6 +66,8 @@ Status MaterialTable::Commit(bool* valuesChanged, bool* bindingsChanged) {
       info.parameters = parameters.Allocate(texels);
       *bindingsChanged = true;
     }
+    if (info.mediumPriority != data.mediumPriority) *bindingsChanged = true;
+    info.mediumPriority = data.mediumPriority;
     info.kernelKey = data.kernelKey;
     info.path = data.path;
   }

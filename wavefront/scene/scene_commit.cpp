@@ -164,7 +164,7 @@ uint32_t SceneStore::BindingFor(const InstanceData& group, const ResidentMesh& m
       if (bucket != layout::kNoBucket) usedBuckets_[bucket - layout::kFirstMaterialBucket] = true;
     }
   }
-  put(0, id, primvarCount, 0);
+  put(0, id, primvarCount, material != nullptr ? material->mediumPriority : 0u);
   for (uint32_t p = 0; p < primvarCount; ++p) {
     PrimvarDescriptor d;
     auto own = instancePrimvars.find(kernel->primvars[p]);

@@ -16,7 +16,7 @@ using vulkan::MemoryKind;
 using vulkan::MemoryLocation;
 using namespace layout;
 
-constexpr std::size_t kSlots = 3;
+constexpr std::size_t kSlots = 3;  // submits in flight
 constexpr uint32_t kTimestamps = 4096;
 constexpr double kTargetSubmitSeconds = 0.05;
 constexpr uint32_t kMaxIterationsPerSubmit = 32;
@@ -159,6 +159,7 @@ Status PathTracer::BeginBand(uint32_t band) {
   band_ = band;
   if (band == 0) { before_ = {}; status_ = {}; }
   else before_ = status_;
+  status_.drained = false;
   if (Status s = WriteFrameConstants(); !s) return s;
   batchEnd_ = settings_.samplesPerBatch == 0 ? settings_.firstSample + settings_.samples
                                              : settings_.firstSample + std::min(settings_.samples, settings_.samplesPerBatch);
@@ -239,18 +240,19 @@ void PathTracer::RecordIteration(std::vector<uint32_t>* rows) {
 Status PathTracer::Step(bool* done) {
   *done = false;
   InFlight& slot = inFlight_[nextSlot_];
-  if (slot.value != 0) {
-    if (Status s = Collect(nextSlot_); !s) return s;
+  if (Status s = Collect(nextSlot_); !s) return s;
+  if (interactive_) {
+    if (Status s = Collect((nextSlot_ + 1) % kSlots); !s) return s;
+  }
+  if (status_.drained) {
+    if (batchEnd_ >= settings_.firstSample + settings_.samples) {
+      *done = true;
+      return Drain();
+    }
+    if (Status s = Drain(); !s) return s;
     if (status_.drained) {
-      if (batchEnd_ >= settings_.firstSample + settings_.samples) {
-        *done = true;
-        return Drain();
-      }
-      if (Status s = Drain(); !s) return s;
-      if (status_.drained) {
-        batchEnd_ = std::min(batchEnd_ + settings_.samplesPerBatch, settings_.firstSample + settings_.samples);
-        raiseBatch_ = true;
-      }
+      batchEnd_ = std::min(batchEnd_ + settings_.samplesPerBatch, settings_.firstSample + settings_.samples);
+      raiseBatch_ = true;
     }
   }
   if (Status s = BeginRecording(); !s) return s;
@@ -268,7 +270,7 @@ Status PathTracer::Step(bool* done) {
   stream_->Timestamp();
   const uint32_t perIteration = kKernelCount + bucketCount_;
   const uint32_t fit = std::max(1u, kTimestamps / (perIteration + 1));
-  slot.iterations = std::min(iterationsPerSubmit_, fit);
+  slot.iterations = interactive_ ? 1 : std::min(iterationsPerSubmit_, fit);
   for (uint32_t i = 0; i < slot.iterations; ++i) RecordIteration(&slot.rows);
   const uint64_t bytes = 4ull * (kBucketBase + static_cast<uint64_t>(kBucketStride) * bucketCount_);
   stream_->Copy(*counters_, 0, *readback_, nextSlot_ * bytes, bytes);
@@ -300,9 +302,9 @@ Status PathTracer::Collect(std::size_t index) {
   }
   const uint64_t bytes = 4ull * (kBucketBase + static_cast<uint64_t>(kBucketStride) * bucketCount_);
   const std::span<std::byte> mapped = readback_->Map();
-  std::vector<uint32_t> counters(bytes / 4);
-  std::memcpy(counters.data(), mapped.data() + index * bytes, bytes);
-  ReadStatus(counters.data());
+  statusWords_.resize(bytes / 4);
+  std::memcpy(statusWords_.data(), mapped.data() + index * bytes, bytes);
+  ReadStatus(statusWords_.data());
   slot.value = 0;
   return {};
 }

@@ -52,6 +52,9 @@ class PathTracer {
 
   // Sizes pool and film for the settings, binds the scene, creates missing pipelines. Nothing may be in flight.
   Status Configure(const RenderSettings& settings, const CameraData& camera, SceneStore& scene, unsigned threads);
+  // Interactive: one iteration per submit and two submits in flight, so that an edit waits for little. Else as many as
+  // hide the cost of a submit.
+  void SetInteractive(bool interactive) { interactive_ = interactive; }
   // Clears the film and the pool, and starts at the first sample of the band.
   Status BeginBand(uint32_t band);
   // Submits some iterations and reads the status of an older submit. `done`: all samples of the band are in the film.
@@ -96,13 +99,14 @@ class PathTracer {
   FilmLayout film_;
   uint32_t poolSize_ = 0, bandRows_ = 0, band_ = 0, bucketCount_ = 0;
   uint32_t batchEnd_ = 0;
-  bool raiseBatch_ = false;
+  bool raiseBatch_ = false, interactive_ = false;
   uint32_t iterationsPerSubmit_ = 1;
   std::vector<InFlight> inFlight_;
   std::size_t nextSlot_ = 0;
   LoopStatus status_, before_;       // before_: sums of earlier bands
   uint64_t submits_ = 0;
   std::vector<double> timestamps_;
+  std::vector<uint32_t> statusWords_;
 };
 
 }  // namespace wavefront

@@ -76,6 +76,7 @@ void RendererImpl::SetCamera(const CameraData& camera) {
 }
 void RendererImpl::SetRenderSettings(const RenderSettings& settings) {
   std::lock_guard lock(stagingMutex_);
+  stagedSettings_.interactive = settings.interactive;  // concerns the next Commit, but no image
   if (!settingsDirty_ && SameSettings(settings, stagedSettings_)) return;
   stagedSettings_ = settings;
   settingsDirty_ = true;
@@ -97,6 +98,7 @@ Status RendererImpl::Commit() {
     camera_ = stagedCamera_;
     cameraDirty_ = settingsDirty_ = false;
   }
+  tracer_->SetInteractive(settings_.interactive);
   if (changed) {
     configured_ = false;  // until all of it is: after an error nothing of the old film fits the new settings
     if (settings_.width == 0 || settings_.height == 0) return Error{"the image has no pixels: " + std::to_string(settings_.width) + " x " + std::to_string(settings_.height)};

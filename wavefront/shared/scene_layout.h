@@ -67,7 +67,7 @@ WF_CONST(kInterpInstance, 4u)
 // ---- Binding record: 2 + primvarCount texels -----------------------------------------------------------------
 // instance.bindingBase + slot indexes the *binding index* (1 uint in the index stream), which is the first texel here.
 // 0: surface bucket, opacity bucket (kNoBucket: opaque), emission bucket (kNoBucket: does not emit), parameter base (texel)
-// 1: flags, material id, primvar count, 0
+// 1: flags, material id, primvar count, priority of its inside among media (lib/media.glsl)
 // 2..: one primvar descriptor per primvar that the kernel reads, in slot order
 WF_CONST(kBindingHeaderTexels, 2u)
 WF_CONST(kNoBucket, 0xffffffffu)

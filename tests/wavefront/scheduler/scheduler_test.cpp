@@ -137,6 +137,81 @@ TEST(Scheduler, BeerLambert) {
   EXPECT_NEAR(MeanColor(film, 2), std::exp(-3.0), 1e-3);
 }
 
+// Bodies that overlap, seen head-on through all of them: optical depths add up along the way.
+struct Overlap {
+  World world;
+  MeshId box = kInvalidId;
+  Overlap() {
+    world.camera.transforms = {{0, Moved(0, 0, 8)}};
+    world.Dome(1);
+    box = world.renderer->CreateMesh(Box());
+    world.camera.orthographic = true;
+    world.camera.left = world.camera.bottom = -0.9f;
+    world.camera.right = world.camera.top = 0.9f;
+    world.settings.maxBounces = 32;
+    world.settings.rouletteBounce = 64;
+  }
+  void Add(const std::string& path, double nearZ, double farZ, Float3 extinction, uint8_t priority = 0) {
+    MaterialData material = MakeMaterial("glass", {}, 1, {}, extinction);
+    material.mediumPriority = priority;
+    world.Instance(path, box, world.Material(std::move(material)), {Scaled(1, 1, (nearZ - farZ) / 2, 0, 0, (nearZ + farZ) / 2)});
+  }
+};
+
+TEST(Scheduler, BodiesThatOverlapAreLeftInAnyOrder) {
+  // A in [0, 2], B in [-1, 1]: A is left while the path is in B.
+  for (uint8_t priority : {uint8_t(0), uint8_t(3)}) {
+    SCOPED_TRACE(int(priority));
+    Overlap o;
+    o.Add("/a", 2, 0, {1, 0, 0}, priority);
+    o.Add("/b", 1, -1, {0, 1, 0}, 0);
+    const RawFilm film = o.world.Render();
+    // The overlap belongs to the one entered last, or to the one of higher priority.
+    const double inA = priority == 0 ? 1 : 2;
+    EXPECT_NEAR(MeanColor(film, 0), std::exp(-inA), 1e-3);
+    EXPECT_NEAR(MeanColor(film, 1), std::exp(inA - 3), 1e-3);
+    EXPECT_NEAR(MeanColor(film, 2), 1, 1e-3);
+  }
+}
+
+TEST(Scheduler, FourBodiesInsideEachOtherAndNoMore) {
+  Overlap o;
+  o.Add("/a", 5, -5, {0.1f, 0, 0});
+  o.Add("/b", 4, -4, {0, 0.2f, 0});
+  o.Add("/c", 3, -3, {0.1f, 0, 0});
+  o.Add("/d", 2, -2, {0, 0.2f, 0});
+  const RawFilm four = o.world.Render();
+  EXPECT_NEAR(MeanColor(four, 0), std::exp(-0.1 * (2 + 2)), 1e-3);
+  EXPECT_NEAR(MeanColor(four, 1), std::exp(-0.2 * (2 + 4)), 1e-3);
+  EXPECT_FALSE(o.world.Said("render-media-stack"));
+  o.Add("/e", 1, -1, {0, 0, 0.7f});
+  const RawFilm five = o.world.Render();
+  EXPECT_TRUE(o.world.Said("render-media-stack"));
+  EXPECT_NEAR(MeanColor(five, 2), 1, 1e-3);
+  EXPECT_NEAR(MeanColor(five, 1), MeanColor(four, 1), 1e-6);
+}
+
+TEST(Scheduler, InteractiveSubmitsOneIterationAtATimeAndChangesNothing) {
+  World world;
+  world.AddMixedScene();
+  world.settings.poolSize = 256;  // many short iterations
+  const RawFilm batch = world.Render();
+  const RenderStats before = world.renderer->stats();
+  EXPECT_LT(2 * before.submits, before.iterations) << "this pool should need several iterations per submit";
+  const uint64_t version = world.renderer->version();
+  world.settings.interactive = true;
+  ASSERT_TRUE(world.Commit().ok());
+  EXPECT_EQ(world.renderer->version(), version) << "the film is kept";
+  EXPECT_TRUE(world.renderer->IsConverged());
+  world.settings.seed = 1;
+  ASSERT_TRUE(world.Commit().ok());
+  world.settings.seed = 0;
+  const RawFilm interactive = world.Render();
+  EXPECT_EQ(HashFilm(interactive), HashFilm(batch));
+  const RenderStats after = world.renderer->stats();
+  EXPECT_EQ(after.submits - before.submits, after.iterations);
+}
+
 TEST(Scheduler, LightsThrowNoShadowsOnEachOther) {
   // A wall under a dome, with a dark rect light between them, wherever the light is found: by its sample or by a bounce.
   World world;

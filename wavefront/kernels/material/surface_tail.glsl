@@ -66,13 +66,22 @@ bool passThrough(uint path, inout uvec4 ids, Closure c, uvec4 hit, uvec4 extra, 
   return true;
 }
 
+// Entering or leaving a transmissive body. False where no more bodies fit.
+bool crossBoundary(inout uvec4 mediaA, inout uvec4 mediaB, ShadingPoint sp, Closure c, bool entering) {
+  uvec4 material = texelFetch(bindingRecords, int(sp.binding) + 1);
+  if (entering) return mediumEnter(mediaA, mediaB, Medium(c.interiorExtinction, material.y, material.w));
+  mediumLeave(mediaA, mediaB, material.y);
+  return true;
+}
+
 // Beer-Lambert on the way to the light sample, as the logic kernel applies it to extension rays: by the medium on the
 // light's side of the surface. Lights at infinity are seen from open bodies without loss, there as here.
 vec3 lightExtinction(uint path, ShadingPoint sp, Closure c, vec4 light) {
   bool front = dot(sp.wo, sp.normalGeometric) >= 0.0;
   bool crosses = (dot(light.xyz, sp.normalGeometric) >= 0.0) != front;
-  vec3 extinction = mediumExtinction(loadPath(kChunkMediaA, path), loadPath(kChunkMediaB, path));
-  if (crosses) extinction = kHasTransmission && front ? c.interiorExtinction : vec3(0.0);
+  uvec4 mediaA = loadPath(kChunkMediaA, path), mediaB = loadPath(kChunkMediaB, path);
+  if (kHasTransmission && crosses) crossBoundary(mediaA, mediaB, sp, c, front);
+  vec3 extinction = mediumExtinction(mediaA, mediaB);
   return abs(light.w) < 1e29 ? exp(-extinction * abs(light.w)) : vec3(1.0);
 }
 
@@ -100,18 +109,6 @@ void castShadowRay(uint path, inout uvec4 ids, ShadingPoint sp, vec3 error, uvec
   storePath(kChunkShadowHit, path, hit);  // to be skipped
   ids.w |= kFlagShadow;
   pushShadowRay(path);
-}
-
-// Entering or leaving a transmissive body.
-void crossBoundary(uint path, bool entering, vec3 extinction) {
-  uvec4 mediaA = loadPath(kChunkMediaA, path), mediaB = loadPath(kChunkMediaB, path);
-  if (entering) {
-    if (!mediumPush(mediaA, mediaB, extinction)) reportError(kErrorMediaStack);
-  } else {
-    mediumPop(mediaA, mediaB);
-  }
-  storePath(kChunkMediaA, path, mediaA);
-  storePath(kChunkMediaB, path, mediaB);
 }
 
 void main() {
@@ -173,7 +170,12 @@ void main() {
   bool front = dot(wo, sp.normalGeometric) >= 0.0;
   bool transmitted = (dot(wi, sp.normalGeometric) >= 0.0) != front;
   uint events = coneBits.w | (transmitted ? kEventTransmission : kEventReflection);
-  if (kHasTransmission && transmitted) crossBoundary(path, front, c.interiorExtinction);
+  if (kHasTransmission && transmitted) {
+    uvec4 mediaA = loadPath(kChunkMediaA, path), mediaB = loadPath(kChunkMediaB, path);
+    if (!crossBoundary(mediaA, mediaB, sp, c, front)) reportError(kErrorMediaStack);
+    storePath(kChunkMediaA, path, mediaA);
+    storePath(kChunkMediaB, path, mediaB);
+  }
 
   storePathF(kChunkRayOrigin, path, vec4(offsetRayOrigin(sp.positionWorld, error, sp.normalGeometric, wi), 0.0));
   storePathF(kChunkRayDirection, path, vec4(wi, 3.4e38));
