@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import itertools
 import os
 import sys
 from collections.abc import Callable
@@ -33,10 +34,11 @@ def recorded(monkeypatch: pytest.MonkeyPatch) -> list[Any]:
 
 @pytest.fixture
 def stage_file(tmp_path: Path) -> Callable[[str], str]:
-    """Writes USD text to a file and gives its path."""
+    """Writes USD text to a file and gives its path. Names differ: USD keeps layers by path as long as one is in use."""
+    count = itertools.count()
 
-    def write(text: str, name: str = "stage.usda") -> str:
-        path = tmp_path / name
+    def write(text: str, name: str = "") -> str:
+        path = tmp_path / (name or f"stage{next(count)}.usda")
         path.write_text("#usda 1.0\n" + text, encoding="utf-8")
         return str(path)
 

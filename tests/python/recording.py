@@ -175,4 +175,9 @@ def fake_core(delegates: list[RecordingDelegate]) -> Any:
             {"token": "samples", "type": "int", "default": 64, "doc": "samples per pixel", "flag": "--samples"}
         ],
         build_facts=lambda: {"version": "0.0.test"},
+        list_devices=lambda: [
+            {"name": "A card", "type": "discrete", "usable": True},
+            {"name": "An old processor", "type": "cpu", "usable": False},
+            {"name": "A processor", "type": "cpu", "usable": True},
+        ],
     )

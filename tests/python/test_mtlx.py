@@ -88,11 +88,12 @@ def looks(stage_file, tmp_path):
     from pxr import Usd
     from recording import RecordingDelegate
 
-    def run(document=DOCUMENT, stage=STAGE):
+    def run(document=DOCUMENT, stage=STAGE, **options):
         if document is not None:
             (tmp_path / "m.mtlx").write_text(document)
         diagnostics, delegate = Diagnostics(), RecordingDelegate()
-        translate(open_stage(stage_file(stage), diagnostics), Options(time=Usd.TimeCode(0)), delegate, diagnostics)
+        options = Options(time=Usd.TimeCode(0), **options)
+        translate(open_stage(stage_file(stage), diagnostics), options, delegate, diagnostics)
         return delegate, diagnostics
 
     return run
@@ -167,3 +168,135 @@ def test_third_party_stages_have_their_materials(assets, stage, materials):
     opened = open_stage(str(assets / stage), diagnostics)
     translate(opened, Options(time=Usd.TimeCode(opened.GetStartTimeCode())), delegate, diagnostics)
     assert not list(diagnostics) and len(delegate.named("material")) == materials
+
+
+LOOK = """  <look name="day">
+    <materialassign name="a" material="textured" geom="/a"/>
+  </look>
+</materialx>
+"""
+
+
+@pytest.mark.parametrize(
+    ("document", "target", "expected"),
+    [
+        (DOCUMENT.replace("</materialx>\n", LOOK), "", True),
+        (DOCUMENT.replace("</materialx>\n", LOOK), "</MaterialX>", True),
+        (DOCUMENT.replace("</materialx>\n", LOOK), "</MaterialX/Materials>", False),  # nobody asked for the looks
+        (DOCUMENT.replace("</materialx>\n", '  <look name="empty"/>\n</materialx>\n'), "", False),
+    ],
+)
+def test_looks_are_not_read_which_is_said(looks, document, target, expected):
+    _, diagnostics = looks(document, f'def Xform "world" (\n    references = @./m.mtlx@{target}\n) {{\n}}\n')
+    assert [(d.code, d.location) for d in diagnostics] == ([("mtlx-look-unsupported", "/world")] if expected else [])
+    assert all("day" in d.message and "m.mtlx" in d.message for d in diagnostics)
+
+
+def networks_of(looks, body, stage=STAGE):
+    """Nodes by name of the material "textured", whose document is `body`."""
+    document = f'<?xml version="1.0"?>\n<materialx version="1.39">{body}</materialx>\n'
+    delegate, diagnostics = looks(document, stage)
+    network = delegate.told["/world/looks/textured"]["mtlx"]
+    return {n["path"].rsplit("/", 1)[1]: n for n in network["nodes"]}, network, delegate, diagnostics
+
+
+SURFACE = """
+  <standard_surface name="surface" type="surfaceshader">{}</standard_surface>
+  <surfacematerial name="textured" type="material">
+    <input name="surfaceshader" type="surfaceshader" nodename="surface"/>{}
+  </surfacematerial>"""
+
+
+def test_values_of_every_type_arrive(looks, tmp_path):
+    nodes, *_ = networks_of(
+        looks,
+        f"""
+  <place2d name="place" type="vector2">
+    <input name="texcoord" type="vector2" value="1, 2"/>
+    <input name="operationorder" type="integer" value="1"/>
+  </place2d>
+  <image name="picture" type="color3">
+    <input name="file" type="filename" value="{tmp_path}/absolute.png"/>
+    <input name="texcoord" type="vector2" nodename="place"/>
+    <input name="uaddressmode" type="string" value="clamp"/>
+  </image>
+  <constant name="four" type="color4"><input name="value" type="color4" value="1, 2, 3, 4"/></constant>
+  <convert name="three" type="color3"><input name="in" type="color4" nodename="four"/></convert>
+  <transformmatrix name="turned" type="vector3">
+    <input name="in" type="vector3" value="1, 2, 3"/>
+    <input name="mat" type="matrix44" value="1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16"/>
+  </transformmatrix>
+  <separate3 name="parts" type="multioutput"><input name="in" type="vector3" nodename="turned"/></separate3>
+"""
+        + SURFACE.format(
+            """
+    <input name="base_color" type="color3" nodename="picture"/>
+    <input name="specular_color" type="color3" nodename="three"/>
+    <input name="metalness" type="float" nodename="parts" output="outy"/>
+    <input name="thin_walled" type="boolean" value="false"/>""",
+            "",
+        ),
+    )
+    parameters = {name: node["parameters"] for name, node in nodes.items()}
+    order = parameters["place"]["operationorder"]
+    assert order == 1 and isinstance(order, int) and parameters["place"]["texcoord"] == (1, 2)
+    assert parameters["picture"]["file"]["authored"] == f"{tmp_path}/absolute.png"
+    assert parameters["picture"]["uaddressmode"] == "clamp" and parameters["four"]["value"] == (1, 2, 3, 4)
+    assert parameters["turned"]["mat"] == tuple(range(1, 17)) and parameters["turned"]["in"] == (1, 2, 3)
+    assert parameters["surface"]["thin_walled"] is False
+
+
+def test_outputs_are_named(looks):
+    _, network, *_ = networks_of(
+        looks,
+        """<separate3 name="parts" type="multioutput"><input name="in" type="vector3" value="1, 2, 3"/></separate3>"""
+        + SURFACE.format('<input name="metalness" type="float" nodename="parts" output="outy"/>', ""),
+    )
+    assert [c[1] for c in network["connections"]] == ["outy"]
+
+
+def test_colour_spaces_stay_with_their_values(looks):
+    """Also through the material's own input, where the surface's values are promoted to."""
+    delegate, _ = looks(
+        f"""<?xml version="1.0"?><materialx version="1.39" colorspace="lin_rec709">
+        {SURFACE.format('<input name="base_color" type="color3" value="1, 0, 0" colorspace="acescg"/>', "")}
+        </materialx>""",
+        convert_color=lambda rgb, space: (space, *rgb),
+    )
+    (node,) = delegate.told["/world/looks/textured"]["mtlx"]["nodes"]
+    assert node["parameters"]["base_color"] == ("acescg", 1, 0, 0)
+
+
+def test_displacement_is_a_terminal_and_said(looks):
+    _, _, _, diagnostics = networks_of(
+        looks,
+        """<displacement name="bumps" type="displacementshader">
+          <input name="displacement" type="float" value="0.5"/></displacement>"""
+        + SURFACE.format("", '<input name="displacementshader" type="displacementshader" nodename="bumps"/>'),
+    )
+    assert ("material-displacement-unsupported", "/world/looks/textured") in [(d.code, d.location) for d in diagnostics]
+
+
+def test_payloads_are_replaced_as_references_are(looks):
+    stage = STAGE.replace("references = @", "payload = @")
+    value = '<input name="metalness" type="float" value="0.75"/>'
+    nodes, *_ = networks_of(looks, SURFACE.format(value, ""), stage)
+    assert nodes["surface"]["parameters"]["metalness"] == 0.125
+
+
+def test_materials_inside_instances_are_said(looks):
+    stage = """
+def Xform "source" {
+    def "looks" (
+        references = @./m.mtlx@</MaterialX/Materials>
+    ) {
+    }
+}
+def Xform "i" (
+    instanceable = true
+    references = </source>
+) {
+}
+"""
+    _, diagnostics = looks(DOCUMENT, stage)
+    assert [(d.code, d.location) for d in diagnostics] == [("mtlx-reference-unsupported", "/i/looks")]

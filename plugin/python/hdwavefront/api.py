@@ -114,9 +114,9 @@ class Render:
         self.aovs = _check_aovs([*aovs, *(a for p in self.render_settings.products for a in p.aovs)])
         from .color.manager import DEFAULT_RENDERING_SPACE, ColorManager
 
-        self.colors = ColorManager(
-            ocio, rendering_space or self.render_settings.rendering_space or DEFAULT_RENDERING_SPACE
-        )
+        self.colors = ColorManager(ocio, rendering_space or DEFAULT_RENDERING_SPACE)
+        if not rendering_space and self.render_settings.rendering_space:
+            self._use_rendering_space(self.render_settings.rendering_space)
         if display or view or self._color_mode == "openColorIO":
             self.colors.display_and_view(display, view)  # a wrong name is said before the render
         from .scene_sync import TrackingSink
@@ -159,6 +159,17 @@ class Render:
         return read_render_settings(prim, self.time, self.diagnostics) if prim else RenderSettingsPrim()
 
     def _find_camera(self) -> Any:
+    def _use_rendering_space(self, space: str) -> None:
+        """What the stage asks for, if there is such a space: its mistakes do not stop a render."""
+        if self.colors.knows(space):
+            self.colors.rendering_space = space
+        else:
+            self.diagnostics.warning(
+                "render-settings-bad-value",
+                self.render_settings.path,
+                f"renderingColorSpace is '{space}', which no configuration knows; it is ignored",
+            )
+
         """The camera's schema object; None for the free camera."""
         from .stage_adapters.camera import all_cameras, find_camera, require_camera
 
@@ -234,6 +245,8 @@ class Render:
             params = cameras.camera_params(camera, self.time, self.diagnostics)
             transform = cameras.camera_transform(camera, self.time)
         self._sink.sync_camera(self.camera, params=params, transform=transform)
+            if self.render_settings.disable_depth_of_field:
+                params["fStop"] = 0.0
         self.size = self._image_size(cameras.aspect_ratio(params))
         return transform
 

@@ -44,7 +44,14 @@ def author_missing_mtlx(stage: Any, diagnostics: Diagnostics) -> None:
                 f"the materials of {file} are missing: this pxr has no UsdMtlx, and {layer}",
             )
         else:
-            wanted.append((Sdf.Path(site), Sdf.Reference(layer.identifier, _target_path(prim, file) or "/MaterialX")))
+            target = Sdf.Path(_target_path(prim, file) or "/MaterialX")
+            wanted.append((Sdf.Path(site), Sdf.Reference(layer.identifier, target)))
+            if _LOOKS in layer.customLayerData and target == Sdf.Path("/MaterialX"):
+                diagnostics.warning(
+                    "mtlx-look-unsupported",
+                    site,
+                    f"the looks of {file} are not read: what {layer.customLayerData[_LOOKS]} assign is not bound",
+                )
     with Sdf.ChangeBlock():
         for path, reference in wanted:
             spec = session.GetPrimAtPath(path) or Sdf.CreatePrimInLayer(session, path)
@@ -66,6 +73,9 @@ def _layer_for(prim: Any, file: str, layers: dict[str, Any]) -> Any:
             layers[file] = f"the conversion failed: {' '.join(str(error).split())[:200]}"
     return layers[file]
 
+
+# Where a converted layer says which looks of its document assign materials.
+_LOOKS = "looks"
 
 # Anonymous layers live as long as somebody holds them; stages find them by identifier when they recompose.
 _KEPT_ALIVE: dict[str, list[Any]] = {}
@@ -159,6 +169,9 @@ class _Converter:
         UsdGeom.Scope.Define(self._stage, "/MaterialX/Materials")
         for node in self._document.getMaterialNodes():
             self._material(node)
+        looks = [look.getName() for look in self._document.getLooks() if look.getMaterialAssigns()]
+        if looks:
+            self._layer.customLayerData = {_LOOKS: ", ".join(looks)}
         return self._layer
 
     def _material(self, node: Any) -> None:

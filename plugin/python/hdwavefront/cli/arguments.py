@@ -8,15 +8,9 @@ from __future__ import annotations
 import argparse
 from typing import Any
 
+from ..stage_adapters import WINDOW_POLICIES
+
 _COMPLEXITIES = ("low", "medium", "high", "veryhigh")
-# UsdRenderSettings' aspectRatioConformPolicy.
-WINDOW_POLICIES = (
-    "expandAperture",
-    "cropAperture",
-    "adjustApertureWidth",
-    "adjustApertureHeight",
-    "adjustPixelAspectRatio",
-)
 # Settings that have a flag of another name.
 _OWN_FLAGS = frozenset({"domeLightCameraVisibility"})
 
@@ -108,12 +102,12 @@ def _add_usdrecord_arguments(group: Any) -> None:
     group.add_argument(
         "--traceFormat", choices=("chrome", "trace"), default="chrome", help="format of it (default: %(default)s)"
     )
-    group.add_argument("--memstats", action="store_true", help="accepted for usdrecord's sake; see --stats")
+    group.add_argument("--memstats", action="store_true", help="taken for usdrecord's sake, with a word; see --stats")
     group.add_argument(
-        "--disableDrawMode", action="store_true", help="accepted for usdrecord's sake; full geometry is always drawn"
+        "--disableDrawMode", action="store_true", help="draw full geometry in place of model:drawMode; always so here"
     )
-    group.add_argument("--disableGpu", action="store_true", help="accepted for usdrecord's sake; see --device")
-    group.add_argument("--renderer", "-r", help="accepted for usdrecord's sake; this renderer is always Wavefront")
+    group.add_argument("--disableGpu", action="store_true", help="render on the processor, by a Vulkan driver for it")
+    group.add_argument("--renderer", "-r", help="taken for usdrecord's sake; this renderer is always Wavefront")
 
 
 def _add_own_arguments(group: Any) -> None:

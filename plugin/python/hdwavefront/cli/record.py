@@ -14,6 +14,7 @@ from collections import Counter
 from typing import Any
 
 from ..errors import EXIT_INTERRUPTED, EXIT_OK, Diagnostic, HdWavefrontError, UsageError
+from ..stage_adapters import PURPOSES
 from . import frames as frame_specs
 from .arguments import settings_from
 from .progress import ProgressDisplay
@@ -46,9 +47,9 @@ def _purposes(text: str | None) -> frozenset[str] | None:
     if text is None:
         return None
     purposes = frozenset(text.replace(",", " ").split())
-    unknown = sorted(purposes - {"default", "render", "proxy", "guide"})
+    unknown = sorted(purposes - set(PURPOSES))
     if unknown:
-        raise UsageError(f"--purposes: '{unknown[0]}' is none of default, render, proxy, guide.")
+        raise UsageError(f"--purposes: '{unknown[0]}' is none of {', '.join(PURPOSES)}.")
     return purposes
 
 
@@ -70,6 +71,28 @@ def _check_before(args: argparse.Namespace) -> None:
         folder = os.path.dirname(os.path.abspath(getattr(args, flag)))
         if not os.path.isdir(folder) or not os.access(folder, os.W_OK):
             raise HdWavefrontError(f"The folder {folder} of the --{flag} file does not exist or cannot be written to.")
+
+
+def _say_what_changes_nothing(args: argparse.Namespace) -> None:
+    """Flags that are taken so that usdrecord's command lines run, and that have no work to do here."""
+    if args.memstats:
+        print("--memstats changes nothing: --stats FILE writes memory by kind.", file=sys.stderr)
+    if args.renderer and args.renderer.lower() not in ("wavefront", "hdwavefront"):
+        print(f"--renderer {args.renderer} changes nothing: this renderer is always Wavefront.", file=sys.stderr)
+
+
+def _device(args: argparse.Namespace) -> str:
+    """--disableGpu means a device that is a processor."""
+    if not args.disableGpu:
+        return str(args.device)
+    if args.device:
+        raise UsageError("--device and --disableGpu cannot both be given.")
+    from ..api import core
+
+    for index, device in enumerate(core().list_devices()):
+        if device["type"] == "cpu" and device["usable"]:
+            return str(index)
+    raise HdWavefrontError("--disableGpu: there is no Vulkan driver that runs on the processor (mesa-vulkan-drivers).")
 
 
 def _open(args: argparse.Namespace, frame: float | str | None, printer: _DiagnosticPrinter) -> Any:
@@ -96,7 +119,7 @@ def _open(args: argparse.Namespace, frame: float | str | None, printer: _Diagnos
         rendering_space=args.renderingColorSpace,
         camera_light=True if args.enableCameraLight else False if args.disableCameraLight else None,
         dome_visible=args.domeLightVisibility,
-        device=args.device,
+        device=_device(args),
         on_diagnostic=printer,
         window_policy=args.windowPolicy,
         settings=settings_from(args),
@@ -126,6 +149,7 @@ def _record(args: argparse.Namespace) -> int:
         frame_specs.parse_frames(args.frames) if args.frames else ["default" if args.defaultTime else None]
     )
     _check_before(args)
+    _say_what_changes_nothing(args)
     printer = _DiagnosticPrinter()
     render = _open(args, frames[0], printer)
     folder = os.path.dirname(os.path.abspath(args.outputImagePath))

@@ -55,6 +55,12 @@ def camera_params(camera: UsdGeom.Camera, time: Usd.TimeCode, diagnostics: Diagn
         diagnostics.warning(
             "camera-clipping-planes", prim.GetPath(), "clipping planes are not rendered yet; they are ignored"
         )
+    if params.get("shutter:close", 0.0) > params.get("shutter:open", 0.0):
+        diagnostics.info(
+            "motion-blur-unsupported",
+            prim.GetPath(),
+            "motion blur is not rendered yet; all is shown at the frame's time",
+        )
     return params
 
 

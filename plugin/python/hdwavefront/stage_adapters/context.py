@@ -95,6 +95,11 @@ class Translation:
         return self.options.time
 
 
+def schema_type(prim: Usd.Prim) -> str:
+    """The prim's type, or what the stage says to take where this USD does not know it; empty where it knows none."""
+    return str(prim.GetPrimTypeInfo().GetSchemaTypeName())
+
+
 def matrix_array(matrix: Gf.Matrix4d) -> np.ndarray:
     return np.array(matrix, dtype=np.float64)
 

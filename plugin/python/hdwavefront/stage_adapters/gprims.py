@@ -6,8 +6,9 @@ from __future__ import annotations
 
 from pxr import UsdGeom
 
-from .context import Rprim, Translation, Update, common_fields
+from .context import Rprim, Translation, Update, common_fields, schema_type
 from .primvars import gprim_primvars
+from .unsupported import report_skinning
 
 # Attribute name -> name in the update, by schema type. Cylinder_1 and Capsule_1 have two radii.
 _ATTRIBUTES: dict[str, tuple[str, dict[str, str]]] = {
@@ -32,7 +33,8 @@ IMPLICIT_TYPES = tuple(_ATTRIBUTES)
 
 def emit_implicit(translation: Translation, rprim: Rprim) -> None:
     prim = rprim.prim
-    shape_name, attributes = _ATTRIBUTES[str(prim.GetTypeName())]
+    shape_name, attributes = _ATTRIBUTES[schema_type(prim)]
+    report_skinning(translation, rprim)
     shape: Update = {"type": shape_name}
     for name, field in attributes.items():
         value = prim.GetAttribute(name).Get(translation.time)

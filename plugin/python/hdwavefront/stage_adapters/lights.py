@@ -9,7 +9,7 @@ from typing import Any
 from pxr import Usd, UsdGeom, UsdLux
 
 from .assets import asset_value
-from .context import PrimContext, Translation, Update, matrix_array
+from .context import PrimContext, Translation, Update, matrix_array, schema_type
 
 LIGHT_TYPES = {
     "RectLight": "RectLight",
@@ -105,7 +105,7 @@ def _report_unsupported(translation: Translation, prim: Usd.Prim, path: str) -> 
 
 def light_params(translation: Translation, prim: Usd.Prim, path: str) -> Update:
     time = translation.time
-    type_name = str(prim.GetTypeName())
+    type_name = schema_type(prim)
     params: Update = {"type": LIGHT_TYPES[type_name]}
     for name in _FLOATS:
         value = _input(prim, name, time)

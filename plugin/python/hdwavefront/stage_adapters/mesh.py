@@ -9,17 +9,24 @@ from typing import Any
 import numpy as np
 from pxr import UsdGeom, UsdShade
 
+from ..errors import Diagnostics
 from .context import PrimvarUpdate, Rprim, Translation, Update, common_fields
 from .primvars import gprim_primvars, vector_array
+from .unsupported import report_skinning
 
 
-def collect_subsets(prim: Any) -> tuple[Any, ...]:
+def collect_subsets(prim: Any, diagnostics: Diagnostics) -> tuple[Any, ...]:
     """The face subsets that materials are bound to."""
-    return tuple(
-        subset
-        for subset in UsdShade.MaterialBindingAPI(prim).GetMaterialBindSubsets()
-        if subset.GetElementTypeAttr().Get() in (None, "face")
-    )
+    subsets = []
+    for subset in UsdShade.MaterialBindingAPI(prim).GetMaterialBindSubsets():
+        kind = subset.GetElementTypeAttr().Get()
+        if kind == "face":
+            subsets.append(subset)
+        else:
+            diagnostics.warning(
+                "subset-unsupported", subset.GetPath(), f"materials of subsets of type '{kind}' are not rendered"
+            )
+    return tuple(subsets)
 
 
 def _ints(value: Any) -> np.ndarray:
@@ -73,9 +80,6 @@ def _normals(translation: Translation, mesh: UsdGeom.Mesh) -> PrimvarUpdate | No
     return ("normals", str(mesh.GetNormalsInterpolation()), values, None) if values.size else None
 
 
-_SKINNING = frozenset({"primvars:skel:jointIndices", "skel:skeleton"})
-
-
 def emit_mesh(translation: Translation, rprim: Rprim) -> None:
     mesh = UsdGeom.Mesh(rprim.prim)
     primvars = gprim_primvars(translation, rprim)
@@ -83,10 +87,7 @@ def emit_mesh(translation: Translation, rprim: Rprim) -> None:
         normals = _normals(translation, mesh)
         if normals:
             primvars.append(normals)
-    if rprim.names & _SKINNING:
-        translation.diagnostics.warning(
-            "skinning-unsupported", rprim.path, "skinning is not evaluated yet; the mesh is drawn in its rest pose"
-        )
+    report_skinning(translation, rprim)
     update = common_fields(rprim, primvars)
     update["double_sided"] = "doubleSided" in rprim.names and bool(mesh.GetDoubleSidedAttr().Get(translation.time))
     update["topology"] = _topology(translation, rprim)

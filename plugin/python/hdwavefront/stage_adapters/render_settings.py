@@ -10,6 +10,7 @@ from typing import Any
 from pxr import Usd, UsdRender
 
 from ..errors import Diagnostics, HdWavefrontError
+from . import PURPOSES, WINDOW_POLICIES
 
 # Names of render vars for our AOVs, ours and those that other renderers and USD's documentation use.
 _AOV_NAMES = {
@@ -31,7 +32,14 @@ _AOV_NAMES = {
     "samplecount": "sampleCount",
 }
 _NAMESPACE = "wavefront:"
-_PURPOSES = frozenset({"default", "render", "proxy", "guide"})
+# What a product may say otherwise than its settings.
+_OVERRIDABLE = (
+    "resolution",
+    "pixelAspectRatio",
+    "aspectRatioConformPolicy",
+    "dataWindowNDC",
+    "disableDepthOfField",
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,6 +62,7 @@ class RenderSettingsPrim:
     material_purpose: str | None = None
     rendering_space: str = ""
     products: list[Product] = field(default_factory=list)
+    disable_depth_of_field: bool = False
     settings: dict[str, Any] = field(default_factory=dict)  # wavefront:<token>
 
 
@@ -111,13 +120,14 @@ def read_render_settings(
     resolution = _authored(prim, "resolution", time)
     if resolution is not None:
         read.resolution = (int(resolution[0]), int(resolution[1]))
-    aspect = _authored(prim, "pixelAspectRatio", time)
-    read.pixel_aspect_ratio = float(aspect) if aspect is not None else None
-    read.window_policy = str(_authored(prim, "aspectRatioConformPolicy", time) or "")
+    _read_frame(prim, read, time, diagnostics)
     read.rendering_space = str(_authored(prim, "renderingColorSpace", time) or "")
     purposes = _authored(prim, "includedPurposes", time)
+    read.disable_depth_of_field = bool(_authored(prim, "disableDepthOfField", time))
     if purposes is not None:
-        read.purposes = frozenset(str(p) for p in purposes) & _PURPOSES | {"default"}
+        read.purposes = frozenset(str(p) for p in purposes) & set(PURPOSES) | {"default"}
+        for unknown in sorted({str(p) for p in purposes} - set(PURPOSES)):
+            _say_bad_value(prim, f"includedPurposes has the unknown '{unknown}'", diagnostics)
     binding_purposes = _authored(prim, "materialBindingPurposes", time)
     if binding_purposes is not None:
         read.material_purpose = next((str(p) for p in binding_purposes if p), "")
@@ -133,6 +143,25 @@ def read_render_settings(
 
 
 def _report_ignored(prim: Usd.Prim, time: Usd.TimeCode, diagnostics: Diagnostics) -> None:
+def _say_bad_value(prim: Usd.Prim, what: str, diagnostics: Diagnostics) -> None:
+    diagnostics.warning("render-settings-bad-value", prim.GetPath(), f"{what}; it is ignored")
+
+
+def _read_frame(prim: Usd.Prim, read: RenderSettingsPrim, time: Usd.TimeCode, diagnostics: Diagnostics) -> None:
+    """How the camera's aperture fits the image. What makes no sense must not stop the render."""
+    aspect = _authored(prim, "pixelAspectRatio", time)
+    if aspect is not None:
+        if 1e-6 < aspect < 1e6:
+            read.pixel_aspect_ratio = float(aspect)
+        else:
+            _say_bad_value(prim, f"pixelAspectRatio is {aspect:g}", diagnostics)
+    policy = str(_authored(prim, "aspectRatioConformPolicy", time) or "")
+    if policy and policy not in WINDOW_POLICIES:
+        _say_bad_value(prim, f"aspectRatioConformPolicy is the unknown '{policy}'", diagnostics)
+    else:
+        read.window_policy = policy
+
+
     window = _authored(prim, "dataWindowNDC", time)
     if window is not None and tuple(window) != (0, 0, 1, 1):
         diagnostics.warning(
@@ -159,7 +188,7 @@ def _read_product(
     if not name:
         diagnostics.warning("render-product-name", target, "the product has no productName; it is ignored")
         return None
-    for overridden in ("resolution", "pixelAspectRatio", "aspectRatioConformPolicy", "dataWindowNDC"):
+    for overridden in _OVERRIDABLE:
         if product.GetPrim().GetAttribute(overridden).HasAuthoredValue():
             value = product.GetPrim().GetAttribute(overridden).Get(time)
             if value != settings.GetPrim().GetAttribute(overridden).Get(time):

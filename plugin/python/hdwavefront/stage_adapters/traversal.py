@@ -14,14 +14,20 @@ from typing import Any
 from pxr import Gf, Usd, UsdGeom, UsdShade
 
 from ..errors import Diagnostics
-from .context import Options, PrimContext, Rprim, Sink, Translation
+from .context import Options, PrimContext, Rprim, Sink, Translation, schema_type
 from .gprims import IMPLICIT_TYPES, emit_implicit
 from .lights import LIGHT_TYPES, emit_light
 from .material import emit_material
 from .mesh import collect_subsets, emit_mesh
 from .native_instances import InstanceGroups, emit_instances
 from .point_instancer import emit_point_instancer
-from .unsupported import UNSUPPORTED, is_drawable, report_applied_apis, report_unsupported
+from .unsupported import (
+    UNSUPPORTED,
+    is_drawable,
+    report_applied_apis,
+    report_unknown_type,
+    report_unsupported,
+)
 
 RPRIM_ADAPTERS: dict[str, Callable[[Translation, Rprim], None]] = {
     "Mesh": emit_mesh,
@@ -34,6 +40,7 @@ _SILENT_TYPES = frozenset({"", "Xform", "Scope", "SkelRoot", "Camera", "GeomSubs
 _LEAF_TYPES = frozenset(
     {"Material", "Shader", "NodeGraph", "RenderSettings", "RenderProduct", "RenderVar", "RenderPass"}
 )
+_KNOWN_TYPES = _SILENT_TYPES | _LEAF_TYPES | RPRIM_ADAPTERS.keys() | LIGHT_TYPES.keys() | {"PointInstancer"}
 
 _CHILDREN = Usd.TraverseInstanceProxies(Usd.PrimDefaultPredicate)
 # Prototypes of a PointInstancer may be overs or classes.
@@ -70,7 +77,9 @@ class _Walk:
 
     def _visit(self, prim: Usd.Prim, parent: PrimContext) -> None:
         translation = self.translation
-        type_name = str(prim.GetTypeName())
+        authored_type = type_name = str(prim.GetTypeName())
+        if type_name not in _KNOWN_TYPES:
+            type_name = schema_type(prim)
         if type_name in _LEAF_TYPES:
             return
         names = frozenset(prim.GetAuthoredPropertyNames())
@@ -92,13 +101,15 @@ class _Walk:
             return
         elif type_name in LIGHT_TYPES:
             emit_light(translation, prim, context, self._unique_path(prim, context))
+        elif authored_type and not type_name:
+            report_unknown_type(translation, prim)
         elif type_name in _SILENT_TYPES:
             pass
         elif type_name in UNSUPPORTED or is_drawable(prim):
             if drawn:
                 report_unsupported(translation, prim)
         if prim.GetAppliedSchemas():
-            report_applied_apis(translation, prim)
+            report_applied_apis(translation, prim, is_light=type_name in LIGHT_TYPES or type_name in UNSUPPORTED)
         if prim.IsInstance():
             self.groups.add(prim, str(prim.GetPath()), context)
         else:
@@ -143,7 +154,11 @@ class _Walk:
         emit: Callable[[Translation, Rprim], None],
         names: frozenset[str],
     ) -> None:
-        subsets = collect_subsets(prim) if emit is emit_mesh and prim.GetAllChildrenNames() else ()
+        subsets = (
+            collect_subsets(prim, self.translation.diagnostics)
+            if emit is emit_mesh and prim.GetAllChildrenNames()
+            else ()
+        )
         path = self._unique_path(prim, context)
         self.rprims.append(Rprim(prim, path, context, emit, names, subsets=subsets))
 
