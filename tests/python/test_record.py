@@ -413,6 +413,13 @@ def test_help_loads_nothing_heavy():
     assert "--renderSettingsPrimPath" in result.stdout and "--aov" in result.stdout
 
 
+def test_the_module_is_the_command():
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}
+    command = [sys.executable, "-m", "hdwavefront", "record", "no.usda"]
+    result = subprocess.run(command, capture_output=True, text=True, env=environment)
+    assert result.returncode == 2 and "outputImagePath" in result.stderr
+
+
 def test_usdrecords_arguments_are_taken(run, scene, tmp_path):
     flags = (
         "--purposes proxy,render --disableGpu --renderer Wavefront -color sRGB -c veryhigh --enableDomeLightVisibility "
