@@ -124,11 +124,9 @@ nb::dict SceneTables(const std::vector<nb::dict>& lights, const std::vector<std:
   out["itemCount"] = table.itemCount;
   out["shapes"] = shapes;
   out["itemBases"] = itemBases;
-  constexpr uint64_t kPageTexels = 64 * 64;
   out["textureRecords"] = StreamBytes(store.records, 16 * layout::kTextureTexels);
   out["pageTable"] = StreamBytes(store.pageTable, 4);
-  out["pagesRgba8"] = StreamBytes(store.pagesRgba8, 4 * kPageTexels);
-  out["pagesRgba16f"] = StreamBytes(store.pagesRgba16f, 8 * kPageTexels);
+  out["texturePages"] = StreamBytes(store.pages, layout::kPageBlockBytes);
   out["diagnostics"] = diagnostics;
   return out;
 }

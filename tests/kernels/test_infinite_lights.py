@@ -16,8 +16,7 @@ TABLES = (
     "lightDistribution",
     "textureRecords",
     "pageTable",
-    "pagesRgba8",
-    "pagesRgba16f",
+    "texturePages",
 )
 MAIN = """void main() {
   uint i = gl_GlobalInvocationID.x;

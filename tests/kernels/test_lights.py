@@ -22,8 +22,7 @@ TABLES = (
     "lightDistribution",
     "textureRecords",
     "pageTable",
-    "pagesRgba8",
-    "pagesRgba16f",
+    "texturePages",
 )
 # inputs: point and light; sample or direction; three rows of world to unit shape.
 COMMON = """

@@ -16,7 +16,7 @@ MAIN = """void main() {
   uvec4 b = floatBitsToUint(inputs[i * IN + 1u]);
   outputs[i] = textureRead(b.x, a.xy, a.z, b.y, b.z, outside);
 }"""
-TABLES = ("textureRecords", "pageTable", "pagesRgba8", "pagesRgba16f")
+TABLES = ("textureRecords", "pageTable", "texturePages")
 OUTSIDE = np.array([0.25, -2.0, 3.0, 0.5], np.float32)
 # Sizes at the borders of pages and of the mip tail, odd ones, flat ones.
 SIZES = [

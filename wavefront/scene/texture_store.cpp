@@ -11,57 +11,71 @@
 namespace wavefront {
 namespace {
 using vulkan::MemoryKind;
-constexpr uint32_t kPageSide = 1u << layout::kPageShift;
-constexpr uint32_t kPageTexels = kPageSide * kPageSide;
+using layout::kPageBlockBytes, layout::kPagePitch, layout::kPageSide;
+constexpr uint32_t kPageTexels = kPagePitch * kPagePitch;
 constexpr uint32_t kTailSide = kPageSide / 2;
+static_assert(kPageSide == 1u << layout::kPageShift && kPagePitch == kPageSide + 1);
+static_assert(kPageBlockBytes % 16 == 0 && kPageBlockBytes >= kPageTexels * TexelBytes(TexelFormat::Rgba8Unorm));
 uint32_t Pages(uint32_t side) { return (side + kPageSide - 1) / kPageSide; }
+uint32_t BlocksPerPage(TexelFormat format) { return TexelBytes(format) / TexelBytes(TexelFormat::Rgba8Unorm); }
+
+// Copies a page's texels of a level into it, at (atX, atY), with the column and row after them.
+void FillPage(const std::vector<uint8_t>& level, uint32_t width, uint32_t height, uint32_t bytes, uint32_t firstX, uint32_t firstY,
+              uint32_t atX, uint32_t atY, std::vector<uint8_t>& page) {
+  const uint32_t columns = std::min(kPageSide, width - firstX), rows = std::min(kPageSide, height - firstY);
+  const uint32_t nextColumn = (firstX + columns) % width;
+  for (uint32_t y = 0; y <= rows; ++y) {
+    const uint8_t* line = &level[static_cast<std::size_t>((firstY + y) % height) * width * bytes];
+    uint8_t* target = &page[(static_cast<std::size_t>(atY + y) * kPagePitch + atX) * bytes];
+    std::memcpy(target, line + static_cast<std::size_t>(firstX) * bytes, static_cast<std::size_t>(columns) * bytes);
+    std::memcpy(target + static_cast<std::size_t>(columns) * bytes, line + static_cast<std::size_t>(nextColumn) * bytes, bytes);
+  }
+}
 }  // namespace
 
 TextureStore::TextureStore(vulkan::Device& device)
     : records(device, "texture records", MemoryKind::Textures, 16 * layout::kTextureTexels),
       pageTable(device, "page table", MemoryKind::Textures, 4),
-      pagesRgba8(device, "8-bit texture pages", MemoryKind::Textures, 4 * kPageTexels),
-      pagesRgba16f(device, "half texture pages", MemoryKind::Textures, 8 * kPageTexels),
-      maxPages_(std::min<uint64_t>(device.info().limits.maxTexelBufferElements / kPageTexels,
-                                   device.memoryBudget() / 2 / (8 * kPageTexels))) {}
+      pages(device, "texture pages", MemoryKind::Textures, kPageBlockBytes),
+      maxBlocks_(std::min<uint64_t>(device.info().limits.maxTexelBufferElements * 16, device.memoryBudget() / 2) / kPageBlockBytes) {}
+
+uint32_t TextureStore::FirstBlock(const Resident& r, uint32_t page) { return r.blocks.first + page * BlocksPerPage(r.format); }
+uint32_t TextureStore::FirstTexel(const Resident& r, uint32_t page) { return FirstBlock(r, page) * (kPageBlockBytes / TexelBytes(r.format)); }
 
 namespace {
-// Pages of all levels, an upper bound: what Layout will ask for.
-uint64_t PagesOf(const TextureData& texture) {
+// Blocks of all levels, an upper bound: what Layout will ask for.
+uint64_t BlocksOf(const TextureData& texture) {
   uint64_t pages = 1;  // the mip tail
   for (uint32_t w = texture.width, h = texture.height; std::max(w, h) > kTailSide; w = std::max(1u, w / 2), h = std::max(1u, h / 2)) {
     pages += static_cast<uint64_t>(Pages(w)) * Pages(h);
   }
-  return pages;
+  return pages * BlocksPerPage(texture.format);
 }
 }  // namespace
 
 // A scene with more texels than the device can address renders with coarser ones: the largest textures are halved
 // until everything fits, and each is named. (Paths on hold while pages stream come with a later issue.)
 void TextureStore::ReduceToFit(const DiagnosticSink& sink) {
-  for (TexelFormat format : {TexelFormat::Rgba8Unorm, TexelFormat::Rgba16Float}) {
-    std::vector<std::pair<uint64_t, TextureId>> staged;  // pages, id
-    uint64_t pages = 0;
-    for (const auto& [id, r] : resident_) if (r.format == format) pages += r.pages.count;
-    for (const auto& [id, texture] : staged_) {
-      if (texture.format != format) continue;
-      staged.emplace_back(PagesOf(texture), id);
-      pages += staged.back().first;
-    }
-    while (pages > maxPages_ && !staged.empty()) {
-      auto largest = std::max_element(staged.begin(), staged.end());
-      TextureData& texture = staged_[largest->second];
-      if (std::max(texture.width, texture.height) <= kPageSide) break;
-      texture.texels = HalveLevel(texture.texels, texture.width, texture.height, format);
-      texture.width = std::max(1u, texture.width / 2);
-      texture.height = std::max(1u, texture.height / 2);
-      pages -= largest->first;
-      largest->first = PagesOf(texture);
-      pages += largest->first;
-      if (sink) {
-        sink({Severity::Warning, "texture-reduced", texture.name, "the textures together pass what this device can hold; this one is read at " +
-              std::to_string(texture.width) + " x " + std::to_string(texture.height)});
-      }
+  std::vector<std::pair<uint64_t, TextureId>> staged;  // blocks, id
+  uint64_t blocks = 0;
+  for (const auto& [id, r] : resident_) blocks += r.blocks.count;
+  for (const auto& [id, texture] : staged_) {
+    staged.emplace_back(BlocksOf(texture), id);
+    blocks += staged.back().first;
+  }
+  while (blocks > maxBlocks_ && !staged.empty()) {
+    auto largest = std::max_element(staged.begin(), staged.end());
+    TextureData& texture = staged_[largest->second];
+    if (std::max(texture.width, texture.height) <= kPageSide) break;
+    texture.texels = HalveLevel(texture.texels, texture.width, texture.height, texture.format);
+    texture.width = std::max(1u, texture.width / 2);
+    texture.height = std::max(1u, texture.height / 2);
+    blocks -= largest->first;
+    largest->first = BlocksOf(texture);
+    blocks += largest->first;
+    if (sink) {
+      sink({Severity::Warning, "texture-reduced", texture.name, "the textures together pass what this device can hold; this one is read at " +
+            std::to_string(texture.width) + " x " + std::to_string(texture.height)});
     }
   }
 }
@@ -77,32 +91,31 @@ void TextureStore::Destroy(TextureId id) {
   destroyed_.push_back(id);
 }
 
-// Where each level's pages stand. The table starts with one word per level: the offset of its first entry.
+// Where each level's pages stand. The table starts with one word per level; its entries follow. The tail's levels stand in
+// one page: the first at its corner, the others in a column beside it, each with its own next column and row.
 TextureStore::Resident TextureStore::Layout(const TextureData& texture) {
   Resident r;
   r.format = texture.format;
-  uint32_t w = texture.width, h = texture.height;
-  std::vector<Level> levels;
-  uint32_t entries = 0, tail = 0;
-  uint32_t tailEntry = 0;
+  uint32_t w = texture.width, h = texture.height, entries = 0, pageCount = 0, tail = 0, tailPage = 0;
   for (;;) {
-    Level level{w, h, entries, 0};
+    Level level{w, h, entries, pageCount, 0, 0};
     if (std::max(w, h) <= kTailSide) {
-      if (tail == 0) tailEntry = entries++;
-      level.firstEntry = tailEntry;
-      level.tailOffset = kPageSide - (kPageSide >> tail);
+      if (tail == 0) tailPage = pageCount++;
+      level.firstPage = tailPage;
+      if (tail > 0) level.x = kTailSide + 1, level.y = kTailSide - (kPageSide >> tail) + tail - 1;
       ++tail;
+      ++entries;
     } else {
       entries += Pages(w) * Pages(h);
+      pageCount += Pages(w) * Pages(h);
     }
-    levels.push_back(level);
+    r.levels.push_back(level);
     if (w == 1 && h == 1) break;
     w = std::max(1u, w / 2);
     h = std::max(1u, h / 2);
   }
-  for (Level& level : levels) level.firstEntry += static_cast<uint32_t>(levels.size());
-  r.levels = std::move(levels);
-  r.pages = Pool(r.format).Allocate(entries);
+  for (Level& level : r.levels) level.firstEntry += static_cast<uint32_t>(r.levels.size());
+  r.blocks = pages.Allocate(static_cast<uint64_t>(pageCount) * BlocksPerPage(r.format));
   r.table = pageTable.Allocate(r.levels.size() + entries);
   return r;
 }
@@ -113,7 +126,7 @@ Status TextureStore::Commit(const DiagnosticSink& sink, bool* changed) {
   for (TextureId id : destroyed_) {
     auto it = resident_.find(id);
     if (it == resident_.end()) continue;
-    Pool(it->second.format).Free(it->second.pages);
+    pages.Free(it->second.blocks);
     pageTable.Free(it->second.table);
     resident_.erase(it);
   }
@@ -131,7 +144,7 @@ Status TextureStore::Commit(const DiagnosticSink& sink, bool* changed) {
   for (auto& [id, texture] : staged_) resident_[id] = Layout(texture);
   // Texture ids are record indices.
   if (next_ > records.elements()) records.Allocate(next_ - records.elements());
-  for (Stream* stream : {&records, &pageTable, &pagesRgba8, &pagesRgba16f}) {
+  for (Stream* stream : {&records, &pageTable, &pages}) {
     if (Status s = stream->Fit(); !s) return s;
   }
   for (auto& [id, texture] : staged_) {
@@ -144,38 +157,31 @@ Status TextureStore::Commit(const DiagnosticSink& sink, bool* changed) {
 
 Status TextureStore::Upload(TextureId id, TextureData& texture) {
   Resident& r = resident_[id];
-  Stream& pool = Pool(r.format);
   const uint32_t bytes = TexelBytes(r.format);
   const uint32_t levelCount = static_cast<uint32_t>(r.levels.size());
   std::vector<uint32_t> table(r.table.count);
   std::vector<uint8_t> texels = std::move(texture.texels);
   std::vector<uint8_t> page(static_cast<std::size_t>(kPageTexels) * bytes), tailPage(page.size());
-  uint32_t tailEntry = 0;
   for (uint32_t l = 0; l < levelCount; ++l) {
     const Level& level = r.levels[l];
-    table[l] = level.firstEntry;
-    const bool tail = std::max(level.width, level.height) <= kTailSide;
-    for (uint32_t py = 0; py < Pages(level.height); ++py) {
-      for (uint32_t px = 0; px < Pages(level.width); ++px) {
-        std::vector<uint8_t>& target = tail ? tailPage : page;
-        uint32_t columns = std::min(kPageSide, level.width - px * kPageSide), rows = std::min(kPageSide, level.height - py * kPageSide);
-        for (uint32_t y = 0; y < rows; ++y) {
-          std::memcpy(&target[(static_cast<std::size_t>(y) * kPageSide + level.tailOffset) * bytes],
-                      &texels[((static_cast<std::size_t>(py) * kPageSide + y) * level.width + px * kPageSide) * bytes], static_cast<std::size_t>(columns) * bytes);
-        }
-        uint32_t entry = level.firstEntry + py * Pages(level.width) + px;
-        uint32_t pageIndex = r.pages.first + entry - levelCount;
-        table[entry] = pageIndex;
-        if (tail) { tailEntry = pageIndex; continue; }
-        if (Status s = pool.Write<uint8_t>({pageIndex, 1}, page); !s) return s;
+    table[l] = r.table.first + level.firstEntry;
+    if (std::max(level.width, level.height) <= kTailSide) {
+      FillPage(texels, level.width, level.height, bytes, 0, 0, level.x, level.y, tailPage);
+      table[level.firstEntry] = FirstTexel(r, level.firstPage) + level.y * kPagePitch + level.x;
+    } else {
+      const uint32_t across = Pages(level.width), count = across * Pages(level.height);
+      for (uint32_t p = 0; p < count; ++p) {
+        FillPage(texels, level.width, level.height, bytes, p % across * kPageSide, p / across * kPageSide, 0, 0, page);
+        table[level.firstEntry + p] = FirstTexel(r, level.firstPage + p);
+        if (Status s = pages.Write<uint8_t>({FirstBlock(r, level.firstPage + p), 1}, page); !s) return s;
       }
     }
     if (l + 1 < levelCount) texels = HalveLevel(texels, level.width, level.height, r.format);
   }
   // The 1 x 1 level always stands in the tail.
-  if (Status s = pool.Write<uint8_t>({tailEntry, 1}, tailPage); !s) return s;
+  if (Status s = pages.Write<uint8_t>({FirstBlock(r, r.levels.back().firstPage), 1}, tailPage); !s) return s;
   if (Status s = pageTable.Write<uint32_t>(r.table, table); !s) return s;
-  const uint32_t record[8] = {r.levels[0].width, r.levels[0].height, levelCount, static_cast<uint32_t>(r.format), r.table.first, 0, 0, 0};
+  const uint32_t record[4] = {r.levels[0].width, r.levels[0].height, levelCount | static_cast<uint32_t>(r.format) << 16, r.table.first};
   return records.Write<uint32_t>({id, 1}, record);
 }
 
@@ -190,12 +196,11 @@ Result<FloatImage> TextureStore::ReadLevel(TextureId id, uint32_t maxSide) {
     std::vector<std::byte> page(static_cast<std::size_t>(kPageTexels) * bytes);
     for (uint32_t py = 0; py < Pages(level.height); ++py) {
       for (uint32_t px = 0; px < Pages(level.width); ++px) {
-        uint32_t index = r.pages.first + level.firstEntry - static_cast<uint32_t>(r.levels.size()) + py * Pages(level.width) + px;
-        if (Status s = Pool(r.format).Read(index, page); !s) return s.error();
+        if (Status s = pages.Read(FirstBlock(r, level.firstPage + py * Pages(level.width) + px), page); !s) return s.error();
         uint32_t columns = std::min(kPageSide, level.width - px * kPageSide), rows = std::min(kPageSide, level.height - py * kPageSide);
         for (uint32_t y = 0; y < rows; ++y) {
           for (uint32_t x = 0; x < columns; ++x) {
-            const std::byte* texel = &page[(static_cast<std::size_t>(y) * kPageSide + level.tailOffset + x) * bytes];
+            const std::byte* texel = &page[(static_cast<std::size_t>(level.y + y) * kPagePitch + level.x + x) * bytes];
             image.texels[(static_cast<std::size_t>(py) * kPageSide + y) * level.width + px * kPageSide + x] = ReadTexel(reinterpret_cast<const uint8_t*>(texel), r.format);
           }
         }

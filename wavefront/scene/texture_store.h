@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the hdWavefront authors
-// Textures on the device: mip chains cut into 64 x 64 pages, a page table, one texel-buffer pool per format.
+// Textures on the device: mip chains cut into 64 x 64 pages, a page table, one texel-buffer pool for all formats.
 // See kernels/lib/textures.glsl for the reader and shared/scene_layout.h for the records.
 #pragma once
 
@@ -34,22 +34,25 @@ class TextureStore {
   Result<FloatImage> ReadLevel(TextureId id, uint32_t maxSide);
   bool Has(TextureId id) const { return resident_.count(id) != 0; }
 
-  Stream records, pageTable, pagesRgba8, pagesRgba16f;
+  Stream records, pageTable, pages;
 
  private:
-  struct Level { uint32_t width, height, firstEntry, tailOffset; };
+  // Entries of the page table and pages count from the texture's own first ones; x, y: where the tail's levels stand in
+  // their page.
+  struct Level { uint32_t width, height, firstEntry, firstPage, x, y; };
   struct Resident {
     TexelFormat format;
     std::vector<Level> levels;
-    Range table, pages;      // pages counted in pages
-    uint32_t firstPage = 0;
+    Range table, blocks;
   };
-  Stream& Pool(TexelFormat format) { return format == TexelFormat::Rgba8Unorm ? pagesRgba8 : pagesRgba16f; }
+  // Of a page: its first texel in the pool, in texels of the format, and its first block.
+  static uint32_t FirstTexel(const Resident& r, uint32_t page);
+  static uint32_t FirstBlock(const Resident& r, uint32_t page);
   Resident Layout(const TextureData& texture);
   void ReduceToFit(const DiagnosticSink& sink);
   Status Upload(TextureId id, TextureData& texture);
 
-  const uint64_t maxPages_;  // of a pool: what one texel-buffer view may hold, and half the memory budget
+  const uint64_t maxBlocks_;  // what one texel-buffer view may hold, and half the memory budget
 
   std::mutex mutex_;
   std::map<TextureId, TextureData> staged_;

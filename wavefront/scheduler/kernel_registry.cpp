@@ -23,7 +23,7 @@ std::vector<vulkan::Binding> Bindings() {
   // Texel bindings by the type that lib/bindings.glsl declares; a test compares the two.
   auto texelKind = [](uint32_t number) {
     switch (number) {
-      case 9: case 13: case 15: case 16: case 18: case 21: case 22: return DescriptorKind::TexelBufferFloat;
+      case 9: case 13: case 15: case 16: case 18: return DescriptorKind::TexelBufferFloat;
       default: return DescriptorKind::TexelBufferUint;
     }
   };

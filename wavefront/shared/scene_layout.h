@@ -101,13 +101,18 @@ WF_CONST(kLightFlagRectangular, 16u)  // x and y stay perpendicular: rect lights
 // emissive triangle: x = instance index, y = triangle record (absolute, leaf order), z = probability, w = triangle (mesh order)
 WF_CONST(kLightItemTexels, 1u)
 
-// ---- Texture record: 2 texels (uvec4) ------------------------------------------------------------------------
-// 0: width, height, mip count, pool format (TexelFormat)
-// 1: page table base (uint in the page table stream) of level 0; levels follow; 0; 0; 0
-// A page is 64 x 64 texels; page table entry = page index in the format's pool, kNoPage = not resident.
-WF_CONST(kTextureTexels, 2u)
+// ---- Texture record: 1 texel (uvec4) -------------------------------------------------------------------------
+// width, height, mip count | format (TexelFormat) << 16, first uint of its own in the page table
+// There stands a uint per level: where in the page table the level's entries start. An entry is where its texels start
+// in the pool, counted in texels of the format. A page is 64 x 64 texels, and the column and row that follow them, in rows
+// of kPagePitch texels; levels of at most 32 texels share one page, each with an entry of its own.
+WF_CONST(kTextureTexels, 1u)
 WF_CONST(kPageShift, 6u)
-WF_CONST(kNoPage, 0xffffffffu)
+WF_CONST(kPageSide, 64u)
+WF_CONST(kPagePitch, 65u)
+// The pool is handed out in blocks of this many bytes (a multiple of 16: it is fetched as uvec4): a page of bytes takes
+// one, a page of halfs two.
+WF_CONST(kPageBlockBytes, 16912u)
 
 #ifdef __cplusplus
 }  // namespace wavefront::layout
