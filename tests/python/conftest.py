@@ -47,7 +47,7 @@ def stage_file(tmp_path: Path) -> Callable[[str], str]:
 
 @pytest.fixture
 def translated() -> Callable[..., Any]:
-    """Translates USD text; gives the recording delegate and the diagnostics."""
+    """Translates USD text; gives the recording delegate (which keeps the `translation`) and the diagnostics."""
     from hdwavefront.errors import Diagnostics
     from hdwavefront.stage_adapters.context import Options
     from hdwavefront.stage_adapters.traversal import translate
@@ -61,7 +61,7 @@ def translated() -> Callable[..., Any]:
         assert layer.ImportFromString("#usda 1.0\n" + text)
         delegate, diagnostics = RecordingDelegate(), Diagnostics()
         code = Usd.TimeCode.Default() if time is None else Usd.TimeCode(time)
-        translate(Usd.Stage.Open(layer), Options(time=code, **options), delegate, diagnostics)
+        delegate.translation = translate(Usd.Stage.Open(layer), Options(time=code, **options), delegate, diagnostics)
         return delegate, diagnostics
 
     return run

@@ -59,6 +59,7 @@ class RecordingDelegate:
         self.render_pass: dict[str, Any] = {}
         self.requests: list[Any] = []
         self.textures: dict[int, Any] = {}
+        self.translation: Any = None
         self.waits_left = 0
         self.stopped = False
 

@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 import pytest
-from usda import MATERIALS, QUAD
+from usda import MATERIALS, QUAD, said
 
 
 def test_bindings_are_inherited_and_subsets_have_their_own(translated):
@@ -155,3 +155,221 @@ def Cube "c" (prepend apiSchemas = ["MaterialBindingAPI"]) { rel material:bindin
 """
     )
     assert len(delegate.told["/m"][""]["nodes"]) == 3
+
+
+def material(surface: str, extra: str = "", outputs: str = "") -> str:
+    """A bound material of one UsdPreviewSurface with more said on it, beside it, and on the Material."""
+    return f"""
+def Material "m" {{ token outputs:surface.connect = </m/s.outputs:surface>; {outputs}
+    def Shader "s" {{ uniform token info:id = "UsdPreviewSurface"; token outputs:surface; {surface} }}
+    {extra}
+}}
+def Cube "c" (prepend apiSchemas = ["MaterialBindingAPI"]) {{ rel material:binding = </m> }}
+"""
+
+
+def only_parameters(delegate):
+    (node,) = delegate.told["/m"][""]["nodes"]
+    return node["parameters"]
+
+
+def test_values_are_those_of_the_frame(translated):
+    text = material("float inputs:roughness.timeSamples = { 1: 0, 3: 1 }")
+    assert only_parameters(translated(text, time=2)[0]) == {"roughness": 0.5}
+
+
+@pytest.mark.parametrize(
+    ("line", "expected"),
+    [
+        ("color4f inputs:x = (1, 2, 3, 4)", (10, 20, 30, 4)),  # alpha is no colour
+        ("float3 inputs:x = (1, 2, 3)", (1, 2, 3)),
+        ("float4 inputs:x = (1, 2, 3, 4)", (1, 2, 3, 4)),
+        ("double2 inputs:x = (1, 2)", (1, 2)),
+        ("bool inputs:x = 1", True),
+        ("int inputs:x = 3", 3),
+        ('token inputs:x = "clamp"', "clamp"),
+        ('string inputs:x = "clamp"', "clamp"),
+        ("matrix3d inputs:x = ((1, 2, 3), (4, 5, 6), (7, 8, 9))", tuple(range(1, 10))),
+        ("color3f inputs:x.connect = </m.inputs:plain>", (10, 20, 30)),  # the shader's type counts
+        ("asset inputs:x = @@", None),
+    ],
+)
+def test_values_of_every_type(translated, line, expected):
+    delegate, diagnostics = translated(
+        material(line, outputs="float3 inputs:plain = (1, 2, 3)"),
+        convert_color=lambda rgb, space: tuple(x * 10 for x in rgb),
+    )
+    assert only_parameters(delegate) == ({} if expected is None else {"x": expected})
+    assert not list(diagnostics)
+
+
+def test_values_that_no_network_takes_are_said(translated):
+    delegate, diagnostics = translated(material("float[] inputs:x = [1, 2]"))
+    assert only_parameters(delegate) == {} and said(diagnostics) == [("material-value-type", "/m/s.inputs:x")]
+
+
+@pytest.mark.parametrize(
+    ("target", "value"),
+    [
+        ("</m/g.outputs:set>", None),  # a value, but no shader's output
+        ("</nowhere.outputs:rgb>", None),
+        ("</m/s.outputs:missing>", None),
+        ("</c.size>", None),
+        ("</nowhere.outputs:rgb>", (1, 2, 3)),
+    ],
+)
+def test_a_connection_to_no_shader_is_said(translated, target, value):
+    """The input's own value counts then, where there is one."""
+    own = f"color3f inputs:diffuseColor = {value}; " if value else ""
+    text = material(
+        f"{own}color3f inputs:diffuseColor.connect = {target}",
+        'def NodeGraph "g" { color3f outputs:set = (1, 0, 0); color3f outputs:unset }',
+    )
+    delegate, diagnostics = translated(text)
+    assert only_parameters(delegate) == ({"diffuseColor": value} if value else {})
+    assert delegate.told["/m"][""]["connections"] == []
+    assert said(diagnostics) == [("material-bad-connection", "/m/s.inputs:diffuseColor")]
+
+
+def test_an_interface_without_a_value_leaves_the_default(translated):
+    text = material("float inputs:roughness.connect = </m.inputs:r>", outputs="float inputs:r")
+    delegate, diagnostics = translated(text)
+    assert only_parameters(delegate) == {} and not list(diagnostics)
+
+
+TEXTURE = """def Shader "t" { uniform token info:id = "UsdUVTexture"; color3f outputs:rgb; FILE }"""
+
+
+@pytest.mark.parametrize(
+    ("file", "interface", "space"),
+    [
+        ('asset inputs:file = @a.png@ (colorSpace = "sRGB")', "", "sRGB"),
+        ("asset inputs:file = @a.png@", "", ""),
+        (
+            'asset inputs:file (colorSpace = "raw"); asset inputs:file.connect = </m.inputs:f>',
+            "asset inputs:f = @a.png@",
+            "raw",
+        ),
+        (
+            'asset inputs:file (colorSpace = "raw"); asset inputs:file.connect = </m.inputs:f>',
+            'asset inputs:f = @a.png@ (colorSpace = "sRGB")',
+            "sRGB",
+        ),
+    ],
+)
+def test_the_colour_space_of_files(translated, file, interface, space):
+    text = material(
+        "color3f inputs:diffuseColor.connect = </m/t.outputs:rgb>", TEXTURE.replace("FILE", file), interface
+    )
+    nodes = {n["path"]: n for n in translated(text)[0].told["/m"][""]["nodes"]}
+    assert nodes["/m/t"]["parameters"]["file"] == {"authored": "a.png", "resolved": "", "colorSpace": space}
+
+
+def test_files_are_resolved_and_tiles_anchored_where_they_are_written(tmp_path):
+    """The resolver finds files; patterns of tiles are no files, and stand beside the layer that names them."""
+    from hdwavefront.errors import Diagnostics
+    from hdwavefront.stage import open_stage
+    from hdwavefront.stage_adapters.assets import asset_value, open_asset
+    from pxr import Usd
+
+    (tmp_path / "below").mkdir()
+    (tmp_path / "below/a.png").write_bytes(b"bytes")
+    (tmp_path / "below/inner.usda").write_text(
+        """#usda 1.0
+def Shader "s" {
+    asset inputs:found = @./a.png@
+    asset inputs:tiles = @./t.<UDIM>.png@
+    asset inputs:gone = @./gone.png@
+    asset inputs:moving.timeSamples = { 1: @./gone.png@, 2: @./a.png@ }
+    asset inputs:none = @@
+    asset inputs:blocked
+}
+"""
+    )
+    (tmp_path / "outer.usda").write_text("#usda 1.0\n(\n    subLayers = [@./below/inner.usda@]\n)\n")
+    stage = open_stage(str(tmp_path / "outer.usda"), Diagnostics())
+    prim = stage.GetPrimAtPath("/s")
+
+    def value(name, time=1.0):
+        return asset_value(prim.GetAttribute("inputs:" + name), Usd.TimeCode(time))
+
+    assert value("found")["resolved"] == str(tmp_path / "below/a.png")
+    assert value("tiles")["resolved"] == str(tmp_path / "below/t.<UDIM>.png")
+    assert value("gone") == {"authored": "./gone.png", "resolved": "", "colorSpace": ""}
+    assert value("moving", 2)["resolved"] == str(tmp_path / "below/a.png")
+    assert value("none") is None and value("blocked") is None
+    assert open_asset(str(tmp_path / "nothing.png")) is None
+
+
+def test_nodes_without_an_id_are_named_by_their_source(translated):
+    text = material(
+        "color3f inputs:diffuseColor.connect = </m/o.outputs:rgb>",
+        'def Shader "o" { uniform token info:implementationSource = "sourceAsset"; color3f outputs:rgb }',
+    )
+    nodes = {n["path"]: n["identifier"] for n in translated(text)[0].told["/m"][""]["nodes"]}
+    assert nodes["/m/o"] == "(sourceAsset)"
+
+
+def test_one_surface_for_two_contexts_is_told_once(translated):
+    text = material("", outputs="token outputs:mtlx:surface.connect = </m/s.outputs:surface>")
+    assert list(translated(text)[0].told["/m"]) == ["mtlx"]
+
+
+def test_our_own_context_is_read(translated):
+    text = material(
+        "",
+        'def Shader "own" { uniform token info:id = "Own"; token outputs:surface }',
+        "token outputs:wavefront:surface.connect = </m/own.outputs:surface>",
+    )
+    assert set(translated(text)[0].told["/m"]) == {"wavefront", ""}
+
+
+@pytest.mark.parametrize(
+    ("surface", "outputs", "expected"),
+    [
+        ("", "token outputs:displacement.connect = </m/s.outputs:displacement>", []),
+        ("float inputs:displacement = 0", "token outputs:displacement.connect = </m/s.outputs:displacement>", []),
+        (
+            "float inputs:displacement = 0.5",
+            "token outputs:displacement.connect = </m/s.outputs:displacement>",
+            ["material-displacement-unsupported"],
+        ),
+        ("", "token outputs:displacement.connect = </m/d.outputs:out>", ["material-displacement-unsupported"]),
+        ("", "token outputs:volume.connect = </m/d.outputs:out>", ["material-volume-unsupported"]),
+        ("", "token outputs:volume", []),
+    ],
+)
+def test_other_terminals_are_said_where_they_do_something(translated, surface, outputs, expected):
+    other = 'def Shader "d" { uniform token info:id = "D"; token outputs:out }'
+    _, diagnostics = translated(material(f"token outputs:displacement; {surface}", other, outputs))
+    assert said(diagnostics) == [(code, "/m") for code in expected]
+
+
+@pytest.mark.parametrize("outputs", ["", "token outputs:ri:surface.connect = </m/s.outputs:surface>"])
+def test_a_material_without_a_surface_is_said(translated, outputs):
+    text = f"""def Material "m" {{ {outputs}
+    def Shader "s" {{ uniform token info:id = "PxrSurface"; token outputs:surface }}
+}}
+def Cube "c" (prepend apiSchemas = ["MaterialBindingAPI"]) {{ rel material:binding = </m> }}"""
+    delegate, diagnostics = translated(text)
+    assert delegate.told["/m"] == {} and said(diagnostics) == [("material-no-surface", "/m")]
+    assert ("ri:surface" in next(iter(diagnostics)).message) is bool(outputs)
+
+
+@pytest.mark.parametrize(
+    ("surface", "shines"),
+    [
+        ("", False),
+        ("color3f inputs:emissiveColor = (0, 0, 0)", False),
+        ("color3f inputs:emissiveColor = (0, 0, 1)", True),
+        ("float inputs:emission = 0", False),
+        ("float inputs:emission = 0.5", True),
+        ("color3f inputs:emissiveColor.connect = </m/t.outputs:rgb>", True),
+        ("color3f inputs:diffuseColor.connect = </m/t.outputs:rgb>", False),
+    ],
+)
+def test_whether_a_material_may_shine(translated, surface, shines):
+    """Decides on the camera light; any used material will do, whatever comes after it."""
+    text = material(surface, TEXTURE.replace("FILE", "")) + MATERIALS
+    text += 'def Cube "z" (prepend apiSchemas = ["MaterialBindingAPI"]) { rel material:binding = </red> }'
+    assert translated(text)[0].translation.has_emission is shines

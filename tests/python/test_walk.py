@@ -76,6 +76,51 @@ def test_constant_primvars_are_inherited(translated):
     assert "local" not in primvars_of(delegate.told["/a/b/c"])  # only constants are inherited
 
 
+def test_what_is_not_defined_is_not_drawn(translated):
+    delegate, _ = translated('over "o" { def Cube "c" {} } def Cube "c" {}\nclass "k" { def Cube "c" {} }')
+    assert list(delegate.told) == ["/c"]
+
+
+def test_a_transform_above_acts_on_all_of_one_below(translated):
+    """Row vectors: the local matrix first."""
+    delegate, _ = translated(
+        """def Xform "a" {
+    float3 xformOp:scale = (2, 3, 4)
+    uniform token[] xformOpOrder = ["xformOp:scale"]
+    def Cube "c" {
+        double3 xformOp:translate = (1, 1, 1)
+        uniform token[] xformOpOrder = ["xformOp:translate"]
+    }
+}"""
+    )
+    assert translation_of(delegate.told["/a/c"]) == (2, 3, 4)
+
+
+def test_visibility_is_that_of_the_frame(translated):
+    text = 'def Cube "c" { token visibility.timeSamples = { 1: "inherited", 2: "invisible" } }'
+    assert translated(text, time=1)[0].told and not translated(text, time=2)[0].told
+
+
+def test_what_is_told_is_visible(translated):
+    delegate, _ = translated('def Cube "c" {}\ndef SphereLight "l" {}')
+    assert delegate.told["/c"]["visible"] is True and delegate.told["/l"]["visible"] is True
+    assert delegate.translation.light_count == 1
+
+
+def test_the_garbage_collector_is_left_as_it_was(translated):
+    import gc
+
+    assert gc.isenabled()
+    translated('def Cube "c" {}')
+    assert gc.isenabled()
+    gc.disable()
+    try:
+        translated('def Cube "c" {}')
+        assert not gc.isenabled()
+    finally:
+        gc.enable()
+
+
 def test_a_prim_that_fails_does_not_stop_the_rest(translated, monkeypatch):
     from hdwavefront.stage_adapters import traversal
 

@@ -73,7 +73,7 @@ def _load_file(
         channels = _choose_channels(list(spec.channelnames))
         space = _resolve_space(spec, color_space, is_color, len(channels), oiio)
         try:
-            processor = colors.to_rendering(space) if is_color else None
+            processor = colors.to_rendering(space)
         except LookupError:
             diagnostics.warning(
                 "texture-color-space", path, f"the colour space '{space}' is unknown; the values are taken as they are"

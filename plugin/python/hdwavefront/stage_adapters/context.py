@@ -48,7 +48,6 @@ class PrimContext:
 
     transform: Gf.Matrix4d
     purpose: str = "default"
-    purpose_authored: bool = False  # inherited by prims that author none
     primvars: tuple[Any, ...] = ()  # UsdGeom.Primvar inherited from above
     instancer: str = ""
     prototype: int = 0
@@ -58,7 +57,7 @@ class PrimContext:
     fallback_material: str = ""
     # The PointInstancers around a prototype, outermost first: one that contains itself would never end.
     instancer_chain: tuple[str, ...] = ()
-    in_prototype: bool = False
+    in_prototype: bool = False  # of a PointInstancer: overs and classes are drawn as well
 
     def at(self, **changes: Any) -> PrimContext:
         return replace(self, **changes)
@@ -88,7 +87,6 @@ class Translation:
     diagnostics: Diagnostics
     light_count: int = 0
     has_emission: bool = False  # a material that is used may shine
-    rprim_count: int = 0
 
     @property
     def time(self) -> Usd.TimeCode:

@@ -44,7 +44,10 @@ class _Network:
     def _input(self, node: Update, shader_input: UsdShade.Input) -> list[UsdShade.Shader]:
         name = str(shader_input.GetBaseName())
         above = []
-        for attribute in UsdShade.Utils.GetValueProducingAttributes(shader_input):
+        attributes = UsdShade.Utils.GetValueProducingAttributes(shader_input)
+        if not attributes or attributes[0] == shader_input.GetAttr():
+            self._report_dangling(shader_input)
+        for attribute in attributes:
             attribute_name, kind = UsdShade.Utils.GetBaseNameAndType(attribute.GetName())
             if kind == UsdShade.AttributeType.Output:
                 source = UsdShade.Shader(attribute.GetPrim())
@@ -62,6 +65,16 @@ class _Network:
             if value is not None:
                 node["parameters"][name] = value
         return above
+
+    def _report_dangling(self, shader_input: UsdShade.Input) -> None:
+        if not shader_input.GetAttr().HasAuthoredConnections():
+            return
+        for target in shader_input.GetConnectedSources()[1]:
+            self.translation.diagnostics.warning(
+                "material-bad-connection",
+                shader_input.GetAttr().GetPath(),
+                f"the input is connected to {target}, where no shader gives anything; its own value is taken",
+            )
 
     def _value(self, attribute: Usd.Attribute, shader_input: UsdShade.Input) -> Any:
         """A constant as a plain Python value, colours in the rendering colour space."""

@@ -42,9 +42,6 @@ class InstanceGroups:
             context.instancer,
             context.prototype,
             context.purpose,
-            context.purpose_authored,
-            context.fallback_material,
-            context.instance_primvars,
             str(bound.GetPath()) if bound else "",
             names,
         )
@@ -79,7 +76,6 @@ def emit_instances(translation: Translation, group: InstanceGroup) -> PrimContex
         instancer=group.path,
         prototype=0,
         instance_primvars=context.instance_primvars | frozenset(p[0] for p in primvars),
-        in_prototype=True,
     )
 
 

@@ -103,10 +103,10 @@ def _purpose_above(root: Usd.Prim) -> dict[str, Any]:
     """The purpose that a prototype inherits: from its own namespace, as in UsdImaging, not from the instancer."""
     above = UsdGeom.Imageable(root.GetParent()).ComputePurposeInfo()
     if above.isInheritable:
-        return {"purpose": str(above.purpose), "purpose_authored": True}
+        return {"purpose": str(above.purpose)}
     if root.IsInPrototype() or root.IsInstanceProxy():
         return {}  # the namespace ends at the instance, whose purpose is in the context
-    return {"purpose": "default", "purpose_authored": False}
+    return {"purpose": "default"}
 
 
 def _prototype_context(

@@ -126,7 +126,7 @@ class _Walk:
         if "purpose" in names:
             purpose = prim.GetAttribute("purpose").Get()
             if purpose is not None:
-                changes["purpose"], changes["purpose_authored"] = str(purpose), True
+                changes["purpose"] = str(purpose)
         if any(name.startswith("primvars:") for name in names):
             primvars = UsdGeom.PrimvarsAPI(prim).FindIncrementallyInheritablePrimvars(list(parent.primvars))
             if primvars:
@@ -241,7 +241,6 @@ def translate(stage: Usd.Stage, options: Options, sink: Sink, diagnostics: Diagn
             emit_material(translation, material)
         for rprim in walk.rprims:
             _emit(translation, rprim)
-        translation.rprim_count = len(walk.rprims)
     finally:
         if collecting:
             gc.enable()
