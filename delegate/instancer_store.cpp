@@ -51,6 +51,7 @@ void InstancerStore::Sync(const std::string& path, InstancerUpdate update) {
   changed |= Take(s.orientations, update.orientations);
   changed |= Take(s.scales, update.scales);
   changed |= Take(s.protoIndices, update.protoIndices);
+  changed |= Take(s.prototypeInstances, update.prototypeInstances);
   changed |= Take(s.ids, update.ids);
   changed |= Take(s.invisibleIds, update.invisibleIds);
   if (update.transform && update.transform->empty()) update.transform.reset();

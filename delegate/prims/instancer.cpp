@@ -136,8 +136,19 @@ size_t Count(const InstancerState& s, const wavefront::DiagnosticSink& sink) {
   return shortest;
 }
 
-// Indices of the instances that draw this prototype.
-std::vector<int32_t> Selected(const InstancerState& s, int32_t prototype, size_t count) {
+// Indices of the instances that draw this prototype, in rising order.
+std::vector<int32_t> Selected(const InstancerState& s, int32_t prototype, size_t count,
+                              const wavefront::DiagnosticSink& sink) {
+  if (!s.prototypeInstances.empty()) {
+    const auto found = s.prototypeInstances.find(prototype);
+    if (found == s.prototypeInstances.end()) return {};
+    std::vector<int32_t> drawn = found->second;
+    std::sort(drawn.begin(), drawn.end());
+    if (std::erase_if(drawn, [&](int32_t i) { return i < 0 || static_cast<size_t>(i) >= count; }))
+      sink({Severity::Warning, "instancer-bad-index", s.path,
+            "The instancer names instances outside of its " + std::to_string(count) + "; they are not drawn."});
+    return drawn;
+  }
   const std::unordered_set<int64_t> hidden(s.invisibleIds.begin(), s.invisibleIds.end());
   std::vector<int32_t> selected;
   for (size_t i = 0; i < count; ++i) {
@@ -264,7 +275,7 @@ FlatInstances ComposeInstances(const std::vector<const InstancerState*>& chain, 
     const InstancerState& s = *chain[level];
     if (!s.visible) return flat;
     counts[level] = Count(s, sink);
-    selected[level] = Selected(s, prototypes[level], counts[level]);
+    selected[level] = Selected(s, prototypes[level], counts[level], sink);
     total *= selected[level].size();
     if (total == 0) return flat;
     if (total > 0x7fffffffu) {

@@ -5,6 +5,7 @@
 
 #include <array>
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -21,6 +22,9 @@ struct InstancerUpdate {
   std::optional<TimeSamples<std::vector<wavefront::Float4>>> orientations;  // x, y, z = imaginary, w = real
   std::optional<TimeSamples<std::vector<wavefront::Float3>>> scales;
   std::optional<std::vector<int32_t>> protoIndices;   // empty: every prototype at every instance
+  // Which instances draw a prototype, where a host knows it by prototype (Hydra does): not empty, this counts and
+  // protoIndices, ids and invisibleIds do not. A prototype that is missing is drawn nowhere.
+  std::optional<std::map<int32_t, std::vector<int32_t>>> prototypeInstances;
   std::optional<std::vector<int64_t>> ids;            // empty: 0, 1, 2 ...
   std::optional<std::vector<int64_t>> invisibleIds;   // invisible or inactive: not drawn
   std::optional<TimeSamples<wavefront::Matrix4d>> transform;  // own: to world, or to the parent's prototype root
@@ -38,6 +42,7 @@ struct InstancerState {
   TimeSamples<std::vector<wavefront::Float4>> orientations;
   TimeSamples<std::vector<wavefront::Float3>> scales;
   std::vector<int32_t> protoIndices;
+  std::map<int32_t, std::vector<int32_t>> prototypeInstances;
   std::vector<int64_t> ids, invisibleIds;
   TimeSamples<wavefront::Matrix4d> transform{{0, {}}};
   std::vector<PrimvarInput> primvars;

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the hdWavefront authors
+#include "plugin/hydra/camera.h"
+
+#include <pxr/imaging/hd/sceneDelegate.h>
+
+#include "plugin/hydra/convert_camera.h"
+#include "plugin/hydra/convert_value.h"
+#include "plugin/hydra/render_param.h"
+
+namespace hydra {
+
+void Camera::Sync(HdSceneDelegate* sceneDelegate, HdRenderParam* renderParam, HdDirtyBits* dirtyBits) {
+  const HdDirtyBits bits = *dirtyBits;
+  HdCamera::Sync(sceneDelegate, renderParam, dirtyBits);
+  delegate::CameraUpdate update;
+  if (bits & DirtyParams)
+    update.params = ToCameraParams(
+        *this, [&](const TfToken& name) { return sceneDelegate->GetCameraParamValue(GetId(), name); });
+  if (bits & DirtyTransform) update.transforms = {{0, ToMatrix(GetTransform())}};
+  if (bits & DirtyClipPlanes && !GetClipPlanes().empty())
+    Param(renderParam).Report(wavefront::Severity::Warning, "camera-clipping-planes", GetId(),
+                              "clipping planes are not rendered yet; they are ignored");
+  if (update.params || update.transforms) Param(renderParam).Edit(GetId(), std::move(update));
+  *dirtyBits = Clean;
+}
+
+void Camera::Finalize(HdRenderParam* renderParam) {
+  Param(renderParam).core().DestroySprim(GetId().GetString());
+  Param(renderParam).MarkEdited();
+}
+
+}  // namespace hydra

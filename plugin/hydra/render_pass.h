@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the hdWavefront authors
+#pragma once
+
+#include <optional>
+
+#include <pxr/imaging/hd/renderPass.h>
+
+#include "plugin/hydra/convert_camera.h"
+#include "plugin/hydra/hd_compat.h"
+
+namespace hydra {
+
+class RenderDelegate;
+class RenderParam;
+
+// Tells the core what is looked at and which AOVs are wanted, commits what was edited, and starts the render in the
+// background. Hosts execute it again and again: where nothing changed, it does nothing.
+class RenderPass final : public HdRenderPass {
+ public:
+  RenderPass(HdRenderIndex* index, const HdRprimCollection& collection, RenderDelegate* owner);
+  ~RenderPass() override;
+  bool IsConverged() const override;
+
+ protected:
+  void _Execute(const HdRenderPassStateSharedPtr& renderPassState, const TfTokenVector& renderTags) override;
+
+ private:
+  // What an execution asks for; compared with the last one.
+  struct Wish {
+    std::string camera;
+    GfMatrix4d view{1}, projection{1};  // where there is no camera
+    PassFraming framing;
+    delegate::ConformPolicy policy = delegate::ConformPolicy::Fit;
+    std::vector<std::string> renderTags;
+    std::vector<wavefront::Aov> aovs;
+    bool operator==(const Wish&) const = default;
+  };
+  Wish ReadState(const HdRenderPassState& state, const TfTokenVector& renderTags) const;
+  std::vector<wavefront::Aov> Bind(const HdRenderPassAovBindingVector& bindings, const PassFraming& framing) const;
+
+  RenderDelegate* owner_;
+  std::optional<Wish> last_;
+};
+
+}  // namespace hydra

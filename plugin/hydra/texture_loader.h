@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the hdWavefront authors
+// Decodes the images that materials and lights ask for, through OpenUSD's Hio.
+#pragma once
+
+#include "delegate/textures.h"
+#include "plugin/hydra/hd_compat.h"
+#include "wavefront/base/result.h"
+
+namespace hydra {
+
+// Any thread. An error says in one sentence why the image cannot be used.
+wavefront::Result<wavefront::TextureData> LoadTexture(const delegate::TextureKey& texture);
+
+}  // namespace hydra
