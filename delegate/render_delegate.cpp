@@ -60,6 +60,7 @@ struct RenderDelegate::Impl {
   ConformPolicy windowPolicy = ConformPolicy::Fit;
   std::set<std::string> renderTags{"geometry", "render"};
   std::vector<wavefront::Aov> aovs{wavefront::Aov::Color};
+  std::vector<std::string> primvarAovs;
   std::optional<wavefront::CameraData> sentCamera;
   std::optional<wavefront::RenderSettings> sentSettings;
   DelegateCounters counters;
@@ -199,6 +200,7 @@ wavefront::Status RenderDelegate::SetRenderPass(const RenderPassUpdate& update) 
     wanted.insert(wavefront::Aov::Color);
     impl_->aovs.assign(wanted.begin(), wanted.end());
   }
+  if (update.primvarAovs) impl_->primvarAovs = *update.primvarAovs;
   return {};
 }
 
@@ -243,6 +245,7 @@ wavefront::Status RenderDelegate::CommitResources() {
     settings.width = impl.width;
     settings.height = impl.height;
     settings.aovs = impl.aovs;
+    settings.primvarAovs = impl.primvarAovs;
     if (!impl.sentSettings || !Same(*impl.sentSettings, settings)) {
       renderer_->SetRenderSettings(settings);
       impl.sentSettings = settings;
@@ -272,6 +275,11 @@ wavefront::Status RenderDelegate::CommitResources() {
   c.texturesUploaded = impl.textures.uploads();
   ++c.commits;
   return status;
+}
+
+std::optional<wavefront::Aov> RenderDelegate::FindAov(const std::string& token) const {
+  std::lock_guard lock(impl_->mutex);
+  return wavefront::FindAov(token, impl_->primvarAovs);
 }
 
 DelegateCounters RenderDelegate::counters() const {

@@ -48,7 +48,9 @@ struct RenderPassUpdate {
   std::optional<ConformPolicy> windowPolicy;          // default Fit (UsdRender's expandAperture)
   std::optional<std::vector<std::string>> renderTags; // default: geometry and render;
                                                       // "" counts as "geometry"
-  std::optional<std::vector<wavefront::Aov>> aovs;    // Color is always there
+  // Color is always there. By token: wavefront::SelectAovs, whose two lists go here, and RenderDelegate::FindAov.
+  std::optional<std::vector<wavefront::Aov>> aovs;
+  std::optional<std::vector<std::string>> primvarAovs;  // names by slot, of the Primvar slots in `aovs`
 };
 
 // What was done so far; tests prove with it that an edit does no needless work.
@@ -106,6 +108,8 @@ class RenderDelegate {
   wavefront::Status status() const { return renderer_->status(); }
   bool IsConverged() const { return renderer_->IsConverged(); }
   wavefront::Progress progress() const { return renderer_->progress(); }
+  // Of a token, "primvars:<name>" included, in the render pass as it is set; nothing: unknown, or not asked for by name.
+  std::optional<wavefront::Aov> FindAov(const std::string& token) const;
   wavefront::Result<wavefront::AovImage> Map(wavefront::Aov aov) { return renderer_->Map(aov); }
   wavefront::Result<wavefront::RawFilm> ReadFilm() { return renderer_->ReadFilm(); }
   wavefront::RenderStats stats() const { return renderer_->stats(); }

@@ -4,9 +4,13 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
+#include <string>
 #include <string_view>
 #include <vector>
+
+#include "wavefront/base/result.h"
 
 namespace wavefront {
 
@@ -31,7 +35,21 @@ struct AovInfo {
   std::string_view doc;
 };
 std::span<const AovInfo> Aovs();                     // by enumerator
-const AovInfo* FindAov(std::string_view token);      // null: unknown
+const AovInfo* FindAov(std::string_view token);      // null: unknown; never a Primvar slot
+
+// What a host asks for by token. "primvars:<name>" takes the next of the slots Aov::Primvar0 ... in the order asked.
+constexpr uint32_t kMaxPrimvarAovs = 4;
+struct AovSelection {
+  std::vector<Aov> aovs;              // each once, in order of first mention
+  std::vector<std::string> primvars;  // names by slot, without the prefix
+};
+inline constexpr std::string_view kPrimvarPrefix = "primvars:";
+constexpr Aov PrimvarAov(uint32_t slot) { return static_cast<Aov>(static_cast<uint32_t>(Aov::Primvar0) + slot); }
+constexpr bool IsPrimvarAov(Aov aov) { return aov >= Aov::Primvar0 && aov < PrimvarAov(kMaxPrimvarAovs); }
+// An error for tokens that are unknown and for more primvars than there are slots.
+Result<AovSelection> SelectAovs(std::span<const std::string> tokens);
+// The AOV of a token where the slots hold `primvars`; nothing: unknown, or a primvar that no slot holds.
+std::optional<Aov> FindAov(std::string_view token, std::span<const std::string> primvars);
 
 // A resolved AOV: width * height * components 32-bit values, row 0 at the *top*.
 struct AovImage {

@@ -58,6 +58,7 @@ struct RenderSettings {
   bool shadows = true;
   bool interactive = false;                // short submits, so that an edit is answered at once; restarts nothing
   std::vector<Aov> aovs;                   // Color is always there
+  std::vector<std::string> primvarAovs;    // primvars by slot: what Aov::Primvar0 ... show where `aovs` holds them
 };
 
 struct Progress {
@@ -87,6 +88,7 @@ struct RawFilm {
   uint32_t width = 0, height = 0, firstSample = 0, samples = 0;
   bool complete = true;          // every pixel holds every sample of the range
   std::vector<Aov> aovs;         // what is held besides colour and sample count
+  std::vector<std::string> primvarAovs;  // by slot
   std::vector<int64_t> sums;     // fixed point, by pixel then by channel (see shared/film_layout.h)
   std::vector<uint32_t> first;   // FirstSample AOVs, by pixel then channel
 };

@@ -125,6 +125,13 @@ void SceneStore::DestroyLight(LightId id) {
   lights_.erase(id);
 }
 
+void SceneStore::SetPrimvarAovs(std::vector<std::string> names) {
+  std::lock_guard lock(mutex_);
+  if (names == primvarAovs_) return;
+  instancesDirty_ = true;
+  primvarAovs_ = std::move(names);
+}
+
 Status SceneStore::Commit(uint32_t threads, const DiagnosticSink& sink, bool* changed) {
   bool texturesChanged = false, meshesChanged = false, valuesChanged = false, bindingsChanged = false;
   if (Status s = textures.Commit(sink, &texturesChanged); !s) return s;
@@ -165,13 +172,15 @@ uint32_t SceneStore::BindingFor(const InstanceData& group, const ResidentMesh& m
     }
   }
   put(0, id, primvarCount, material != nullptr ? material->mediumPriority : 0u);
-  for (uint32_t p = 0; p < primvarCount; ++p) {
+  const auto putPrimvar = [&](const std::string& name) {
     PrimvarDescriptor d;
-    auto own = instancePrimvars.find(kernel->primvars[p]);
+    auto own = instancePrimvars.find(name);
     if (own != instancePrimvars.end()) d = own->second;
-    else if (auto found = mesh.primvars.find(kernel->primvars[p]); found != mesh.primvars.end()) d = found->second;
+    else if (auto found = mesh.primvars.find(name); found != mesh.primvars.end()) d = found->second;
     put(d.valueBase, d.indexBase, d.packed, d.unused);
-  }
+  };
+  for (uint32_t p = 0; p < primvarCount; ++p) putPrimvar(kernel->primvars[p]);
+  for (const std::string& name : primvarAovs_) putPrimvar(name);
   bindingCache_[key] = texel;
   return texel;
 }

@@ -32,6 +32,7 @@ class SceneStore {
   LightId CreateLight(LightData light);
   void SetLight(LightId id, LightData light);
   void DestroyLight(LightId id);
+  void SetPrimvarAovs(std::vector<std::string> names);  // bindings hold their descriptors, too
 
   GeometryStore geometry;
   TextureStore textures;
@@ -66,6 +67,7 @@ class SceneStore {
   uint32_t nextGroup_ = 0;
   LightId nextLight_ = 0;
   bool instancesDirty_ = true, lightsDirty_ = true;
+  std::vector<std::string> primvarAovs_;
 
   Stream instances_, bindings_, lightRecords_, lightItems_, lightDistribution_;
   Range instanceRange_, bindingRange_, bindingIndexRange_, instancePrimvarRange_, tlasRange_, lightRange_, itemRange_, distributionRange_;

@@ -24,8 +24,35 @@ uint32_t ClearBits(const AovInfo& info) {
 
 std::span<const AovInfo> Aovs() { return kAovs; }
 const AovInfo* FindAov(std::string_view token) {
-  for (const AovInfo& info : kAovs) if (info.token == token) return &info;
+  for (const AovInfo& info : kAovs) if (info.token == token && !IsPrimvarAov(info.aov)) return &info;
   return nullptr;
+}
+
+std::optional<Aov> FindAov(std::string_view token, std::span<const std::string> primvars) {
+  if (const AovInfo* info = FindAov(token)) return info->aov;
+  if (!token.starts_with(kPrimvarPrefix)) return std::nullopt;
+  const auto found = std::find(primvars.begin(), primvars.end(), token.substr(kPrimvarPrefix.size()));
+  if (found == primvars.end()) return std::nullopt;
+  return PrimvarAov(static_cast<uint32_t>(found - primvars.begin()));
+}
+
+Result<AovSelection> SelectAovs(std::span<const std::string> tokens) {
+  AovSelection selection;
+  for (const std::string& token : tokens) {
+    if (token.starts_with(kPrimvarPrefix) && token.size() > kPrimvarPrefix.size() && !FindAov(token, selection.primvars)) {
+      if (selection.primvars.size() == kMaxPrimvarAovs)
+        return Error{"at most " + std::to_string(kMaxPrimvarAovs) + " primvars can be AOVs of one render; " + token + " is one too many"};
+      selection.primvars.push_back(token.substr(kPrimvarPrefix.size()));
+    }
+    const std::optional<Aov> aov = FindAov(token, selection.primvars);
+    if (!aov) {
+      std::string known;
+      for (const AovInfo& info : kAovs) if (!IsPrimvarAov(info.aov)) known += std::string(info.token) + ", ";
+      return Error{"there is no AOV \"" + token + "\"; there are: " + known + "primvars:<name>"};
+    }
+    if (std::find(selection.aovs.begin(), selection.aovs.end(), *aov) == selection.aovs.end()) selection.aovs.push_back(*aov);
+  }
+  return selection;
 }
 
 FilmLayout MakeFilmLayout(const std::vector<Aov>& aovs) {
@@ -42,8 +69,9 @@ FilmLayout MakeFilmLayout(const std::vector<Aov>& aovs) {
     if (info.rule == AovRule::Mean) {
       sum(info.aov, info.components);
     } else {
-      film.channel[static_cast<uint32_t>(info.aov)] = film.firstChannels++;
-      film.firstClear.push_back(ClearBits(info));
+      film.channel[static_cast<uint32_t>(info.aov)] = film.firstChannels;
+      film.firstChannels += info.components;
+      film.firstClear.insert(film.firstClear.end(), info.components, ClearBits(info));
     }
   }
   return film;
@@ -52,7 +80,7 @@ FilmLayout MakeFilmLayout(const std::vector<Aov>& aovs) {
 Result<RawFilm> MergeFilms(const RawFilm& a, const RawFilm& b) {
   if (a.samples == 0) return b;
   if (b.samples == 0) return a;
-  if (a.width != b.width || a.height != b.height || a.sums.size() != b.sums.size() || a.first.size() != b.first.size() || a.aovs != b.aovs) {
+  if (a.width != b.width || a.height != b.height || a.sums.size() != b.sums.size() || a.first.size() != b.first.size() || a.aovs != b.aovs || a.primvarAovs != b.primvarAovs) {
     return Error{"films of different size or different AOVs cannot be merged"};
   }
   const RawFilm& lower = a.firstSample <= b.firstSample ? a : b;

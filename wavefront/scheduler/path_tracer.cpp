@@ -146,6 +146,9 @@ Status PathTracer::WriteFrameConstants() {
   f.albedoChannel = film_.of(Aov::Albedo); f.normalChannel = film_.of(Aov::Normal);
   f.depthChannel = film_.of(Aov::Depth); f.cameraDepthChannel = film_.of(Aov::CameraDepth);
   f.primIdChannel = film_.of(Aov::PrimId); f.instanceIdChannel = film_.of(Aov::InstanceId); f.elementIdChannel = film_.of(Aov::ElementId);
+  f.neyeChannel = film_.of(Aov::Neye);
+  f.primvarChannel = film_.of(Aov::Primvar0);
+  f.primvarAovCount = f.primvarChannel == kNoChannel ? 0u : static_cast<uint32_t>(settings_.primvarAovs.size());
   return frame_->Upload(0, std::as_bytes(std::span(&f, 1)));
 }
 

@@ -40,7 +40,7 @@ bool SameCamera(const CameraData& a, const CameraData& b) {
 bool SameSettings(const RenderSettings& a, const RenderSettings& b) {
   auto tie = [](const RenderSettings& s) {
     return std::tie(s.width, s.height, s.firstSample, s.samples, s.maxBounces, s.rouletteBounce, s.maxTransparency, s.seed, s.poolSize,
-                    s.samplesPerBatch, s.bandRows, s.radianceClamp, s.cameraVisibleDome, s.shadows, s.aovs);
+                    s.samplesPerBatch, s.bandRows, s.radianceClamp, s.cameraVisibleDome, s.shadows, s.aovs, s.primvarAovs);
   };
   return tie(a) == tie(b);
 }
@@ -80,6 +80,7 @@ void RendererImpl::SetRenderSettings(const RenderSettings& settings) {
   if (!settingsDirty_ && SameSettings(settings, stagedSettings_)) return;
   stagedSettings_ = settings;
   settingsDirty_ = true;
+  scene_->SetPrimvarAovs(settings.primvarAovs);
 }
 
 Status RendererImpl::Commit() {
@@ -102,6 +103,10 @@ Status RendererImpl::Commit() {
   if (changed) {
     configured_ = false;  // until all of it is: after an error nothing of the old film fits the new settings
     if (settings_.width == 0 || settings_.height == 0) return Error{"the image has no pixels: " + std::to_string(settings_.width) + " x " + std::to_string(settings_.height)};
+    for (uint32_t slot = 0; slot < kMaxPrimvarAovs; ++slot) {
+      const bool held = std::find(settings_.aovs.begin(), settings_.aovs.end(), PrimvarAov(slot)) != settings_.aovs.end();
+      if (held != (slot < settings_.primvarAovs.size())) return Error{"every primvar AOV needs a name, and every name its AOV: slot " + std::to_string(slot) + " has one of them"};
+    }
     // The host holds the film of an image that renders in bands, and hands out copies.
     constexpr uint64_t kMaxPixels = 1ull << 29;
     if (static_cast<uint64_t>(settings_.width) * settings_.height > kMaxPixels) {
@@ -379,6 +384,7 @@ Result<RawFilm> RendererImpl::ReadFilm() {
   film.firstSample = settings_.firstSample;
   film.samples = settings_.samples;
   film.aovs = settings_.aovs;
+  film.primvarAovs = settings_.primvarAovs;
   film.complete = IsConverged();
   const std::size_t pixels = static_cast<std::size_t>(film.width) * film.height;
   film.sums.resize(pixels * tracer_->film().sumChannels);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the hdWavefront authors
-// Which channel of the film holds which AOV. Sums: colour R G B A, count, then albedo and normal where asked for.
-// First: one word per FirstSample AOV asked for, in the order of aovs.def.
+// Which channel of the film holds which AOV. Sums: colour R G B A, count, then the other Mean AOVs asked for.
+// First: the words of the FirstSample AOVs asked for, in the order of aovs.def.
 #pragma once
 
 #include <cstdint>

@@ -44,6 +44,8 @@ struct FrameConstants {
   uint sumChannels, firstChannels;  // per pixel
   uint colorChannel, countChannel, albedoChannel, normalChannel;
   uint depthChannel, cameraDepthChannel, primIdChannel, instanceIdChannel, elementIdChannel;
+  uint neyeChannel;
+  uint primvarChannel, primvarAovCount;  // slot i: 3 words from primvarChannel + 3 i
 };
 
 #ifdef __cplusplus

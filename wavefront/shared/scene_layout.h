@@ -64,11 +64,11 @@ WF_CONST(kInterpVertex, 2u)
 WF_CONST(kInterpFaceVarying, 3u)
 WF_CONST(kInterpInstance, 4u)
 
-// ---- Binding record: 2 + primvarCount texels -----------------------------------------------------------------
+// ---- Binding record: 2 + primvarCount + primvar AOV texels -------------------------------------------------
 // instance.bindingBase + slot indexes the *binding index* (1 uint in the index stream), which is the first texel here.
 // 0: surface bucket, opacity bucket (kNoBucket: opaque), emission bucket (kNoBucket: does not emit), parameter base (texel)
 // 1: flags, material id, primvar count, priority of its inside among media (lib/media.glsl)
-// 2..: one primvar descriptor per primvar that the kernel reads, in slot order
+// 2..: one primvar descriptor per primvar that the kernel reads, in slot order; then one per primvar AOV
 WF_CONST(kBindingHeaderTexels, 2u)
 WF_CONST(kNoBucket, 0xffffffffu)
 

@@ -32,7 +32,7 @@ def render_settings() -> list[dict[str, Any]]:
     """Every render setting: token, type ("int", "float", "bool"), default, minimum, maximum, doc, flag (CLI name)."""
 
 def aovs() -> list[dict[str, Any]]:
-    """Every AOV: token, components, format ("float32", "int32"), clear, rule, doc."""
+    """Every AOV: token, components, format ("float32", "int32"), clear, rule, doc. "primvars:<name>" stands for any."""
 
 class Diagnostic:
     """One distinct problem with scene content."""
@@ -244,6 +244,7 @@ class RenderDelegate:
         camera: path of a synced camera. window_policy: UsdRender's expandAperture (default), cropAperture,
             adjustApertureWidth, adjustApertureHeight, adjustPixelAspectRatio, or Hydra's fit, crop, matchVertically,
             matchHorizontally, dontConform. ValueError: unknown AOV or policy, size 0 or above 65536 a side.
+        aovs: tokens of aovs(), and "primvars:<name>" for up to four primvars.
         """
     def set_setting(self, token: str, value: bool | int | float | str) -> bool:
         """True if the value changed. ValueError: unknown token, wrong type or out of range."""

@@ -49,7 +49,8 @@ class Render:
       complexity: low, medium, high, veryhigh: the level of subdivision.
       purposes: besides "default"; render_settings, render_pass: path of a prim; mask: prim paths to load;
       session_layer: a layer file over the stage; resolver: "root" or "inherit", the context that assets are found in.
-      aovs: besides color: depth, cameraDepth, normal, albedo, primId, instanceId, elementId, sampleCount.
+      aovs: besides color: depth, cameraDepth, normal, Neye, albedo, primId, instanceId, elementId, sampleCount, and
+        primvars:<name> for up to four primvars (primvars:st, say).
       ocio, display, view: colour configuration and how display-referred files look.
       color_mode: openColorIO, sRGB, disabled; None: openColorIO in PNG, JPEG and TIFF, scene-linear in EXR and HDR.
       rendering_space: the scene-linear space that is rendered in. camera_light: None = where nothing shines.
@@ -158,7 +159,6 @@ class Render:
         prim = find_render_settings(self.stage, name, self.diagnostics)
         return read_render_settings(prim, self.time, self.diagnostics) if prim else RenderSettingsPrim()
 
-    def _find_camera(self) -> Any:
     def _use_rendering_space(self, space: str) -> None:
         """What the stage asks for, if there is such a space: its mistakes do not stop a render."""
         if self.colors.knows(space):
@@ -170,6 +170,7 @@ class Render:
                 f"renderingColorSpace is '{space}', which no configuration knows; it is ignored",
             )
 
+    def _find_camera(self) -> Any:
         """The camera's schema object; None for the free camera."""
         from .stage_adapters.camera import all_cameras, find_camera, require_camera
 
@@ -244,9 +245,9 @@ class Render:
             self.camera = str(camera.GetPath())
             params = cameras.camera_params(camera, self.time, self.diagnostics)
             transform = cameras.camera_transform(camera, self.time)
-        self._sink.sync_camera(self.camera, params=params, transform=transform)
             if self.render_settings.disable_depth_of_field:
                 params["fStop"] = 0.0
+        self._sink.sync_camera(self.camera, params=params, transform=transform)
         self.size = self._image_size(cameras.aspect_ratio(params))
         return transform
 
@@ -477,7 +478,7 @@ def _check_aovs(wanted: Iterable[str]) -> list[str]:
     known = [row["token"] for row in core().aovs()]
     aovs = ["color"]
     for name in wanted:
-        if name not in known:
+        if name not in known and not (name.startswith("primvars:") and len(name) > len("primvars:")):
             raise UsageError(f"There is no AOV '{name}'. There are: {', '.join(known)}.")
         if name not in aovs:
             aovs.append(name)

@@ -47,8 +47,10 @@ void SetRenderPass(RenderDelegate& self, std::optional<std::string> camera, nb::
   }
   update.renderTags = std::move(renderTags);
   if (aovs) {
-    update.aovs.emplace();
-    for (const std::string& token : *aovs) update.aovs->push_back(ReadAov(token));
+    auto selection = wavefront::SelectAovs(*aovs);
+    if (!selection) RaiseValue(selection.error().message);
+    update.aovs = std::move(selection.value().aovs);
+    update.primvarAovs = std::move(selection.value().primvars);
   }
   if (auto status = self.SetRenderPass(update); !status) RaiseValue(status.error().message);
 }

@@ -16,7 +16,4 @@ nanobind::object ImageToArray(wavefront::AovImage image);
 template <typename T>
 nanobind::object VectorToArray(std::vector<T> values, std::vector<size_t> shape);
 
-// ValueError where there is no such AOV.
-wavefront::Aov ReadAov(const std::string& token);
-
 wavefront::TextureData ReadTexture(nanobind::handle pixels, bool bottomUp);

@@ -65,8 +65,9 @@ nb::list RenderSettings() {
 nb::list Aovs() {
   nb::list result;
   for (const wavefront::AovInfo& info : wavefront::Aovs()) {
+    if (wavefront::IsPrimvarAov(info.aov) && info.aov != wavefront::Aov::Primvar0) continue;
     nb::dict entry;
-    entry["token"] = info.token;
+    entry["token"] = wavefront::IsPrimvarAov(info.aov) ? std::string_view("primvars:<name>") : info.token;
     entry["components"] = info.components;
     entry["format"] = info.format == wavefront::AovFormat::Float32 ? "float32" : "int32";
     entry["clear"] = info.clear;

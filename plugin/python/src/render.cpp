@@ -61,7 +61,9 @@ nb::dict ProgressDict(const RenderDelegate& self) {
 }
 
 nb::object MapAov(RenderDelegate& self, const std::string& token) {
-  const wavefront::Aov aov = ReadAov(token);
+  const std::optional<wavefront::Aov> known = self.FindAov(token);
+  if (!known) RaiseValue("the AOV \"" + token + "\" is not known, or is a primvar that was not asked for");
+  const wavefront::Aov aov = *known;
   auto image = [&] {
     nb::gil_scoped_release release;
     return self.Map(aov);

@@ -34,7 +34,9 @@ wavefront::RawFilm MergeFilms(const wavefront::RawFilm& a, const wavefront::RawF
 }
 
 nb::object ResolveFilm(const wavefront::RawFilm& film, const std::string& token) {
-  const wavefront::Aov aov = ReadAov(token);
+  const std::optional<wavefront::Aov> known = wavefront::FindAov(token, film.primvarAovs);
+  if (!known) RaiseValue("the film does not hold the AOV \"" + token + "\"");
+  const wavefront::Aov aov = *known;
   wavefront::AovImage image;
   {
     nb::gil_scoped_release release;
@@ -62,14 +64,6 @@ nb::object ImageToArray(wavefront::AovImage image) {
   void* data = owned->data();
   if (isFloat) return nb::cast(nb::ndarray<nb::numpy, float>(data, 3, shape.data(), owner));
   return nb::cast(nb::ndarray<nb::numpy, int32_t>(data, 3, shape.data(), owner));
-}
-
-wavefront::Aov ReadAov(const std::string& token) {
-  const wavefront::AovInfo* info = wavefront::FindAov(token);
-  if (info) return info->aov;
-  std::string known;
-  for (const wavefront::AovInfo& row : wavefront::Aovs()) known += (known.empty() ? "" : ", ") + std::string(row.token);
-  RaiseValue("there is no AOV \"" + token + "\"; there are: " + known);
 }
 
 wavefront::TextureData ReadTexture(nb::handle pixels, bool bottomUp) {

@@ -17,10 +17,24 @@ vec3 surfaceEmission(ShadingPoint sp, Closure c, float bsdfPdf, float t) {
   return weight * c.emission;
 }
 
+// The descriptors of primvar AOVs follow those of the primvars that the material reads.
+void filmFirstPrimvars(uint pixel, ShadingPoint sp) {
+  uint first = frame.primvarAovCount == 0u ? 0u : texelFetch(bindingRecords, int(sp.binding) + 1).z;
+  [[dont_unroll]] for (uint i = 0u; i < frame.primvarAovCount; ++i) {
+    uvec3 value = floatBitsToUint(primvarVec3(sp, first + i, vec3(0.0)));
+    uint channel = frame.primvarChannel + 3u * i;
+    filmSetFirst(pixel, channel, value.x);
+    filmSetFirst(pixel, channel + 1u, value.y);
+    filmSetFirst(pixel, channel + 2u, value.z);
+  }
+}
+
 void filmFirstHit(uvec4 ids, ShadingPoint sp, Closure c) {
   uint pixel = ids.x;
   if (frame.albedoChannel != kNoChannel) filmAdd3(pixel, frame.albedoChannel, closureAlbedo(c, sp.wo));
   if (frame.normalChannel != kNoChannel) filmAdd3(pixel, frame.normalChannel, sp.normalWorld);
+  // A normal goes to camera space by the transpose of camera-to-world, and has its length back where that scales.
+  if (frame.neyeChannel != kNoChannel) filmAdd3(pixel, frame.neyeChannel, normalize(transformNormal(frame.cameraToWorld0, frame.cameraToWorld1, frame.cameraToWorld2, sp.normalWorld)));
   if (ids.y != frame.rangeFirstSample || frame.firstChannels == 0u) return;
   vec3 zAxis = vec3(frame.cameraToWorld0.z, frame.cameraToWorld1.z, frame.cameraToWorld2.z);
   vec3 eye = vec3(frame.cameraToWorld0.w, frame.cameraToWorld1.w, frame.cameraToWorld2.w);
@@ -35,6 +49,7 @@ void filmFirstHit(uvec4 ids, ShadingPoint sp, Closure c) {
   filmSetFirst(pixel, frame.primIdChannel, instanceIds.x);
   filmSetFirst(pixel, frame.instanceIdChannel, instanceIds.y);
   filmSetFirst(pixel, frame.elementIdChannel, face);
+  filmFirstPrimvars(pixel, sp);
 }
 
 // Passing through by opacity: the surface is there with probability mean(opacity). What gets through costs no bounce,

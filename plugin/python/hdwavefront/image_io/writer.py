@@ -3,7 +3,8 @@
 """Writes renders. Paths are checked before rendering; files are written beside and renamed.
 
 EXR: 32-bit float. The colour layer's channels are R, G, B, A; each other AOV is a layer of its token: albedo.R .G .B,
-normal.X .Y .Z, depth.Z, cameraDepth.Z, primId.id, instanceId.id, elementId.id (-1 = miss), sampleCount.samples.
+normal.X .Y .Z, Neye.X .Y .Z, primvars:st.X .Y .Z (any primvar), depth.Z, cameraDepth.Z, primId.id, instanceId.id,
+elementId.id (-1 = miss), sampleCount.samples.
 PNG, JPEG, TIFF, HDR and others hold the colour only. PNG and TIFF hold straight alpha.
 """
 
@@ -35,6 +36,7 @@ _CHANNELS = {
     "color": ("R", "G", "B", "A"),
     "albedo": ("albedo.R", "albedo.G", "albedo.B"),
     "normal": ("normal.X", "normal.Y", "normal.Z"),
+    "Neye": ("Neye.X", "Neye.Y", "Neye.Z"),
     "depth": ("depth.Z",),
     "cameraDepth": ("cameraDepth.Z",),
     "primId": ("primId.id",),
@@ -98,7 +100,7 @@ def write_linear(
     for token, array in layers.items():
         array = np.asarray(array)
         array = array.reshape(array.shape[0], array.shape[1], -1)
-        channels = _CHANNELS.get(token) or tuple(f"{token}.{i}" for i in range(array.shape[2]))
+        channels = _CHANNELS.get(token) or tuple(f"{token}.{'XYZW'[i]}" for i in range(array.shape[2]))
         names += channels
         arrays.append(array.astype(np.float32, copy=False))
     attributes = dict(metadata)

@@ -25,6 +25,7 @@ _AOV_NAMES = {
     "z": "cameraDepth",
     "normal": "normal",
     "n": "normal",
+    "neye": "Neye",
     "albedo": "albedo",
     "primid": "primId",
     "instanceid": "instanceId",
@@ -61,8 +62,8 @@ class RenderSettingsPrim:
     purposes: frozenset[str] | None = None
     material_purpose: str | None = None
     rendering_space: str = ""
-    products: list[Product] = field(default_factory=list)
     disable_depth_of_field: bool = False
+    products: list[Product] = field(default_factory=list)
     settings: dict[str, Any] = field(default_factory=dict)  # wavefront:<token>
 
 
@@ -122,8 +123,8 @@ def read_render_settings(
         read.resolution = (int(resolution[0]), int(resolution[1]))
     _read_frame(prim, read, time, diagnostics)
     read.rendering_space = str(_authored(prim, "renderingColorSpace", time) or "")
-    purposes = _authored(prim, "includedPurposes", time)
     read.disable_depth_of_field = bool(_authored(prim, "disableDepthOfField", time))
+    purposes = _authored(prim, "includedPurposes", time)
     if purposes is not None:
         read.purposes = frozenset(str(p) for p in purposes) & set(PURPOSES) | {"default"}
         for unknown in sorted({str(p) for p in purposes} - set(PURPOSES)):
@@ -142,7 +143,6 @@ def read_render_settings(
     return read
 
 
-def _report_ignored(prim: Usd.Prim, time: Usd.TimeCode, diagnostics: Diagnostics) -> None:
 def _say_bad_value(prim: Usd.Prim, what: str, diagnostics: Diagnostics) -> None:
     diagnostics.warning("render-settings-bad-value", prim.GetPath(), f"{what}; it is ignored")
 
@@ -162,6 +162,7 @@ def _read_frame(prim: Usd.Prim, read: RenderSettingsPrim, time: Usd.TimeCode, di
         read.window_policy = policy
 
 
+def _report_ignored(prim: Usd.Prim, time: Usd.TimeCode, diagnostics: Diagnostics) -> None:
     window = _authored(prim, "dataWindowNDC", time)
     if window is not None and tuple(window) != (0, 0, 1, 1):
         diagnostics.warning(
@@ -220,7 +221,10 @@ def _read_vars(product: UsdRender.Product, time: Usd.TimeCode, diagnostics: Diag
             )
             continue
         name = str(var.GetSourceNameAttr().Get(time) or target.name)
-        aov = _AOV_NAMES.get(name.lower().replace(" ", ""))
+        if str(var.GetSourceTypeAttr().Get(time) or "raw") == "primvar":
+            name = f"primvars:{name.removeprefix('primvars:')}"
+        is_primvar = name.removeprefix("primvars:") not in ("", name)
+        aov = name if is_primvar else _AOV_NAMES.get(name.lower().replace(" ", ""))
         if aov is None:
             diagnostics.warning(
                 "render-var-unsupported",
