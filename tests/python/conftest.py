@@ -46,6 +46,28 @@ def stage_file(tmp_path: Path) -> Callable[[str], str]:
 
 
 @pytest.fixture
+def run(recorded: list[Any], capfd: pytest.CaptureFixture[str], tmp_path: Path) -> Callable[..., tuple[int, str, str]]:
+    """Runs the command in this process; gives (exit code, stdout, stderr)."""
+    from hdwavefront.cli.main import main
+
+    def call(*arguments: object) -> tuple[int, str, str]:
+        code = main([str(a) for a in arguments])
+        out, err = capfd.readouterr()
+        assert "Traceback" not in err
+        return code, out, err
+
+    return call
+
+
+@pytest.fixture
+def scene(stage_file: Callable[..., str]) -> str:
+    """A small stage with cameras /main_cam and /other and a cube."""
+    from usda import SCENE
+
+    return stage_file(SCENE)
+
+
+@pytest.fixture
 def translated() -> Callable[..., Any]:
     """Translates USD text; gives the recording delegate (which keeps the `translation`) and the diagnostics."""
     from hdwavefront.errors import Diagnostics

@@ -55,7 +55,12 @@ class RecordingDelegate:
         self.calls: list[tuple[str, tuple[Any, ...], dict[str, Any]]] = []
         self.told: dict[str, dict[str, Any]] = {}
         self.kinds: dict[str, str] = {}
-        self.settings: dict[str, Any] = {"samples": 64}
+        self.settings: dict[str, Any] = {
+            "samples": 64,
+            "radianceClamp": 0.0,
+            "enableShadows": True,
+            "domeLightCameraVisibility": True,
+        }
         self.render_pass: dict[str, Any] = {}
         self.requests: list[Any] = []
         self.textures: dict[int, Any] = {}
@@ -173,7 +178,10 @@ def fake_core(delegates: list[RecordingDelegate]) -> Any:
         RenderDelegate=make,
         aovs=lambda: [{"token": token, "components": n} for token, n in AOVS.items()],
         render_settings=lambda: [
-            {"token": "samples", "type": "int", "default": 64, "doc": "samples per pixel", "flag": "--samples"}
+            {"token": "samples", "type": "int", "default": 64, "doc": "samples per pixel", "flag": "--samples"},
+            {"token": "radianceClamp", "type": "float", "default": 0, "doc": "100 % of it", "flag": "radianceClamp"},
+            {"token": "enableShadows", "type": "bool", "default": True, "doc": "shadows", "flag": ""},
+            {"token": "domeLightCameraVisibility", "type": "bool", "default": True, "doc": "sky", "flag": ""},
         ],
         build_facts=lambda: {"version": "0.0.test"},
         list_devices=lambda: [

@@ -113,3 +113,118 @@ def test_gpu_text_is_for_vulkan_and_names_its_luts(name):
         size = lut["width"] * lut["height"] * (lut["depth"] if lut["dimension"] == 3 else 1) * lut["components"]
         assert lut["values"].dtype == np.float32 and lut["values"].size == size
     assert shader["glsl"].count("uniform sampler") == len(shader["luts"])
+
+
+# USD's and other programs' names for what OpenColorIO's built-in configuration calls otherwise.
+NAMES = [
+    ("srgb_rec709_scene", "srgb_texture"),
+    ("sRGB", "srgb_texture"),
+    ("linear", "lin_rec709"),
+    ("lin_srgb", "lin_rec709"),
+    ("lin_rec709_scene", "lin_rec709"),
+    ("lin_ap1_scene", "ACEScg"),
+    ("lin_p3d65_scene", "Linear P3-D65"),
+    ("lin_displayp3", "Linear P3-D65"),
+    ("lin_rec2020_scene", "Linear Rec.2020"),
+    ("g22_rec709_scene", "Gamma 2.2 Rec.709 - Texture"),
+    ("g18_rec709_scene", "Gamma 1.8 Rec.709 - Texture"),
+    ("lin_adobergb_scene", "Linear AdobeRGB"),
+]
+
+
+@pytest.mark.parametrize(("name", "canonical"), NAMES)
+def test_names_mean_what_the_configuration_has(name, canonical):
+    colors = ColorManager()
+    color = (0.2, 0.5, 0.8)
+    assert colors.convert_color(color, name) == colors.convert_color(color, canonical)
+    if "lin" not in canonical.lower() or canonical != "lin_rec709":
+        assert colors.convert_color(color, name) != color
+
+
+@pytest.mark.parametrize("name", ["Raw", "data", "none", "identity", "unknown", "Utility - Raw", "Non-Color"])
+def test_names_of_data(name):
+    colors = ColorManager()
+    assert colors.is_data(name) and colors.knows(name) and colors.convert_color((1, 2, 3), name) == (1, 2, 3)
+
+
+def test_the_configurations_own_spaces_come_first(tmp_path):
+    """Its lin_ap1 is what acescg means there, whatever the built-in configuration says."""
+    path = tmp_path / "own.ocio"
+    path.write_text(
+        SMALL_CONFIG.replace("name: mine", "name: lin_ap1").replace("scene_linear: mine", "scene_linear: ap0")
+    )
+    colors = ColorManager(str(path), rendering_space="ap0")
+    assert colors.origin == "--ocio"
+    assert colors.convert_color((1, 1, 1), "acescg") == pytest.approx((0.5,) * 3)
+
+
+def test_unknown_spaces_leave_colours_alone():
+    assert ColorManager().convert_color((1, 2, 3), "nowhere") == (1, 2, 3)
+    assert not ColorManager().knows("nowhere") and not ColorManager().is_data("nowhere")
+
+
+def test_into_a_space_of_data_nothing_is_converted(small_config):
+    assert ColorManager(small_config, rendering_space="numbers").convert_color((1, 2, 3), "acescg") == (1, 2, 3)
+
+
+def test_encoding_goes_from_the_rendering_space():
+    processor = ColorManager().encoding_processor("sRGB").getDefaultCPUProcessor()
+    assert processor.applyRGB([0.2140, 0.2140, 0.2140]) == pytest.approx([0.5] * 3, abs=1e-3)
+
+
+def test_a_space_that_is_the_rendering_space_costs_nothing():
+    assert ColorManager().to_rendering("lin_rec709_scene") is None and ColorManager().to_rendering("sRGB") is not None
+
+
+def test_a_configuration_without_displays(tmp_path):
+    path = tmp_path / "none.ocio"
+    path.write_text(SMALL_CONFIG.replace("    - !<View> {name: Plain, colorspace: mine}\n", "    []\n"))
+    with pytest.raises((HdWavefrontError, UsageError)):
+        ColorManager(str(path)).display_and_view()
+
+
+LUT_CONFIG = """ocio_profile_version: 2
+search_path: .
+roles:
+  default: a
+  scene_linear: a
+displays:
+  Wall:
+    - !<View> {name: Plain, colorspace: looked_up}
+colorspaces:
+  - !<ColorSpace>
+    name: a
+  - !<ColorSpace>
+    name: looked_up
+    from_scene_reference: !<FileTransform> {src: FILE, interpolation: FILTER}
+"""
+
+
+def lut_of(folder, name, text, filter_name="linear"):
+    """The shader of a display that is one table, and the table as it is handed over."""
+    (folder / name).write_text(text)
+    (folder / "lut.ocio").write_text(LUT_CONFIG.replace("FILE", name).replace("FILTER", filter_name))
+    shader = gpu_shader(ColorManager(str(folder / "lut.ocio"), "a").display_processor("Wall", "Plain"))
+    (lut,) = shader["luts"]
+    assert f"sampler{lut['dimension']}D {lut['sampler']}" in shader["glsl"]
+    assert lut["values"].size == lut["width"] * lut["height"] * lut["depth"] * lut["components"]
+    return lut
+
+
+@pytest.mark.parametrize(("entries", "components"), [(16, 1), (16, 3), (9000, 1)])
+def test_curves_arrive_as_the_shader_declares_them(tmp_path, entries, components):
+    """Long ones are folded into two dimensions."""
+    values = np.linspace(0, 1, entries) ** 2
+    rows = "\n".join(" ".join(f"{v * (1 + i / 9):.6f}" for i in range(components)) for v in values)
+    text = f"Version 1\nFrom 0.0 1.0\nLength {entries}\nComponents {components}\n{{\n{rows}\n}}\n"
+    lut = lut_of(tmp_path, "curve.spi1d", text)
+    assert lut["components"] == components and lut["linear"] is True and (lut["height"] > 1) is (entries > 4096)
+
+
+@pytest.mark.parametrize(("filter_name", "linear"), [("linear", True), ("tetrahedral", False)])
+def test_cubes_arrive_as_the_shader_declares_them(tmp_path, filter_name, linear):
+    rng = np.random.default_rng(5)
+    rows = "\n".join(" ".join(f"{v:.6f}" for v in rng.random(3)) for _ in range(27))
+    lut = lut_of(tmp_path, "cube.cube", f"LUT_3D_SIZE 3\n{rows}\n", filter_name)
+    assert (lut["dimension"], lut["width"], lut["height"], lut["depth"]) == (3, 3, 3, 3)
+    assert lut["components"] == 3 and lut["linear"] is linear

@@ -12,39 +12,7 @@ from pathlib import Path
 
 import OpenImageIO as oiio
 import pytest
-
-SCENE = """(
-    upAxis = "Y"
-    startTimeCode = 3
-)
-def Camera "main_cam" {
-    float horizontalAperture = 20
-    float verticalAperture = 10
-}
-def Camera "other" {
-}
-def Cube "c" {
-}
-"""
-
-
-@pytest.fixture
-def run(recorded, capfd, tmp_path):
-    """Runs the command in this process; gives (exit code, stdout, stderr)."""
-    from hdwavefront.cli.main import main
-
-    def call(*arguments: object):
-        code = main([str(a) for a in arguments])
-        out, err = capfd.readouterr()
-        assert "Traceback" not in err
-        return code, out, err
-
-    return call
-
-
-@pytest.fixture
-def scene(stage_file):
-    return stage_file(SCENE)
+from usda import SCENE
 
 
 def test_a_render_is_written(run, scene, tmp_path, recorded):
@@ -330,16 +298,30 @@ def test_the_session_layer_is_stronger(run, stage_file, tmp_path, recorded):
     assert recorded[0].named("implicit") == []
 
 
-def test_ctrl_c_writes_what_there_is(run, scene, tmp_path, monkeypatch):
+def test_ctrl_c_writes_what_there_is(run, scene, tmp_path, monkeypatch, recorded):
     from recording import RecordingDelegate
 
     def interrupt(self, timeout=0):
         raise KeyboardInterrupt
 
     monkeypatch.setattr(RecordingDelegate, "_wait", interrupt)
-    code, _, err = run("record", scene, tmp_path / "o.exr", "-w", 8)
+    code, _, err = run("record", scene, tmp_path / "o.#.exr", "-w", 8, "--frames", "1:3")
     assert code == 130 and "Interrupted after 7 of 64 samples" in err
-    assert (tmp_path / "o.exr").exists()
+    assert [p.name for p in tmp_path.glob("o*")] == ["o.1.exr"]  # the other frames are not begun
+    assert recorded[0].stopped
+
+
+def test_ctrl_c_within_the_first_sample_writes_nothing(run, scene, tmp_path, monkeypatch):
+    from recording import RecordingDelegate
+
+    def interrupt(self, timeout=0):
+        raise KeyboardInterrupt
+
+    nothing = {"pathsDone": 0, "pathsTotal": 9, "samplesDone": 0, "seconds": 0.0}
+    monkeypatch.setattr(RecordingDelegate, "_wait", interrupt)
+    monkeypatch.setattr(RecordingDelegate, "_progress", lambda self: nothing)
+    code, _, err = run("record", scene, tmp_path / "o.exr", "-w", 8)
+    assert code == 130 and "before the first sample" in err and not list(tmp_path.glob("o*"))
 
 
 def test_ctrl_c_before_the_first_sample_writes_nothing(run, scene, tmp_path, monkeypatch):
@@ -387,7 +369,12 @@ def test_statistics(run, scene, tmp_path):
     assert run("record", scene, tmp_path / "o.exr", "-w", 8, "--stats", stats)[0] == 0
     read = json.loads(stats.read_text())
     assert {"kernels", "queues", "seconds", "hostPeakMemoryBytes", "settings", "diagnostics"} <= set(read)
-    assert read["seconds"]["total"] > 0 and read["width"] == 8
+    assert {"total", "render", "open", "translate", "textures", "commit"} == set(read["seconds"])
+    assert read["seconds"]["total"] > 0 and (read["width"], read["height"], read["camera"]) == (8, 4, "/main_cam")
+    # The recording delegate: 10 paths, 20 extension and 10 shadow rays in 2 seconds.
+    assert read["mpathsPerSecond"] == pytest.approx(5e-6) and read["mraysPerSecond"] == pytest.approx(15e-6)
+    assert read["settings"]["samples"] == 64 and read["stage"] == scene and read["diagnostics"] == []
+    assert [p.name for p in tmp_path.glob("s.json*")] == ["s.json"]
 
 
 def test_diagnostics_of_a_kind_are_not_endless(run, stage_file, tmp_path):

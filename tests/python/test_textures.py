@@ -176,3 +176,78 @@ def test_files_inside_packages(load, tmp_path):
     assert UsdUtils.CreateNewUsdzPackage(str(tmp_path / "s.usda"), str(package))
     inside = next(n for n in zipfile.ZipFile(package).namelist() if n.endswith(".png"))
     assert (load(f"{package}[{inside}]", "raw") == load(image, "raw")).all()
+
+
+@pytest.mark.parametrize(
+    ("names", "expected"),
+    [
+        (["A", "B", "G", "R"], [3, 2, 1, 0]),
+        (["Z", "B", "G", "R"], [3, 2, 1]),
+        (["A", "Y"], [1, 0]),
+        (["Y"], [0]),
+        (["a", "b", "c", "d", "e"], [0, 1, 2, 3]),
+        (["r", "x"], [0, 1]),
+    ],
+)
+def test_channels_are_chosen_by_name(names, expected):
+    assert textures._choose_channels(names) == expected
+
+
+@pytest.mark.parametrize(
+    ("stated", "kind", "channels", "asked", "is_color", "expected"),
+    [
+        ("", "uint8", 3, "auto", True, "sRGB"),
+        ("", "uint8", 4, "", True, "sRGB"),
+        ("", "uint8", 3, "Auto", True, "sRGB"),
+        ("", "uint8", 2, "auto", True, "raw"),
+        ("", "uint16", 3, "auto", True, "raw"),
+        ("lin_rec709", "uint8", 3, "auto", True, "raw"),  # the file says that its bytes are linear
+        ("scene_linear", "uint8", 3, "auto", True, "raw"),
+        ("srgb_rec709_scene", "uint8", 3, "auto", True, "sRGB"),
+        ("lin_rec709", "uint8", 3, "sRGB", True, "sRGB"),
+        ("", "uint16", 1, "acescg", True, "acescg"),
+        ("", "uint8", 3, "sRGB", False, "raw"),
+    ],
+)
+def test_the_space_of_an_image(stated, kind, channels, asked, is_color, expected):
+    spec = oiio.ImageSpec(1, 1, channels, kind)
+    if stated:
+        spec.attribute("oiio:ColorSpace", stated)
+    assert textures._resolve_space(spec, asked, is_color, channels, oiio) == expected
+
+
+def test_grey_with_alpha_keeps_its_alpha_through_srgb(load, tmp_path):
+    pixels = gradient(2)
+    got = load(write(tmp_path / "a.png", pixels), "sRGB")
+    np.testing.assert_allclose(got[..., 3], pixels[..., 1] / 255, atol=5e-4)
+    np.testing.assert_allclose(got[..., 1], linear(pixels[..., 0]), atol=6e-4)
+
+
+@pytest.mark.parametrize("tile", [0, 16])
+def test_a_data_window_aside_of_the_origin(load, tmp_path, tile):
+    pixels = gradient(3, np.float32, (40, 30))
+    spec = oiio.ImageSpec(30, 40, 3, "float")
+    spec.x, spec.y = 3, 5
+    spec.full_width, spec.full_height = 33, 45
+    if tile:
+        spec.tile_width = spec.tile_height = tile
+    output = oiio.ImageOutput.create(str(tmp_path / "a.exr"))
+    assert output.open(str(tmp_path / "a.exr"), spec), output.geterror()
+    assert output.write_image(pixels)
+    output.close()
+    np.testing.assert_allclose(load(tmp_path / "a.exr")[..., :3], pixels, rtol=1e-3)
+
+
+def test_images_that_are_too_large(load, tmp_path, monkeypatch):
+    path = write(tmp_path / "a.png", gradient(3))  # 7 x 5
+    monkeypatch.setattr(textures, "_MAX_SIDE", 6)
+    with pytest.raises(TextureError, match="its size 7 x 5 is not within"):
+        load(path)
+    monkeypatch.setattr(textures, "_MAX_SIDE", 7)
+    assert load(path).shape == (5, 7, 4)
+
+
+def test_packages_hold_formats_that_only_their_extension_tells(load, tmp_path, monkeypatch):
+    image = write(tmp_path / "a.tga", gradient(3))
+    monkeypatch.setattr(textures, "_package_bytes", lambda path: image.read_bytes())
+    assert (load("scene.usdz[a.tga]", "raw") == load(image, "raw")).all()

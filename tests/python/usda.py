@@ -25,6 +25,21 @@ def Material "blue" { token outputs:surface.connect = </blue/s.outputs:surface>
 """
 
 
+SCENE = """(
+    upAxis = "Y"
+    startTimeCode = 3
+)
+def Camera "main_cam" {
+    float horizontalAperture = 20
+    float verticalAperture = 10
+}
+def Camera "other" {
+}
+def Cube "c" {
+}
+"""
+
+
 def translation_of(update: dict[str, Any]) -> tuple[float, ...]:
     return tuple(update["transform"][3, :3])
 

@@ -1,0 +1,97 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright the hdWavefront authors
+"""`hdwavefront doctor` on machines where something is missing."""
+
+from __future__ import annotations
+
+import sys
+
+import pytest
+
+CARD = {
+    "name": "A card",
+    "type": "discrete",
+    "driver": "its driver",
+    "apiVersion": "1.3.0",
+    "heapBytes": 8 << 30,
+    "usable": True,
+    "whyNot": "",
+    "details": [("limit", "7")],
+}
+OLD = {**CARD, "name": "Old card", "usable": False, "whyNot": "no shaderInt64"}
+
+
+@pytest.fixture
+def doctor(recorded, run, monkeypatch, tmp_path):
+    """Runs it with these devices; gives (exit code, output)."""
+    import hdwavefront._core as core
+    import hdwavefront.api as api
+
+    monkeypatch.delenv("HDWAVEFRONT_DEVICE", raising=False)
+    monkeypatch.delenv("OCIO", raising=False)
+    (tmp_path / "materialx/stdlib").mkdir(parents=True)
+    monkeypatch.setattr(api, "_DATA_FOLDER", str(tmp_path))
+
+    def call(*devices):
+        monkeypatch.setattr(core, "list_devices", lambda: list(devices))
+        code, out, _ = run("doctor")
+        return code, out
+
+    return call
+
+
+def test_all_is_well(doctor):
+    code, out = doctor(CARD)
+    assert code == 0 and "PROBLEM" not in out and "Everything that renders need is there." in out
+    for words in ("A card (discrete) - usable", "its driver", "1.3.0", "8.0 GiB", "limit:", "0.0.test", "Python:"):
+        assert words in out
+    for words in ("OpenUSD:", "OpenColorIO:", "display, view:", "OpenImageIO:", "openexr,"):
+        assert words in out
+
+
+def test_no_device(doctor):
+    code, out = doctor()
+    assert code == 1 and "there is no Vulkan device; install a driver" in out
+
+
+def test_no_device_that_will_do(doctor):
+    code, out = doctor(OLD)
+    assert code == 1 and "no Vulkan device is usable: Old card: no shaderInt64" in out
+    assert doctor(OLD, CARD)[0] == 0
+
+
+@pytest.mark.parametrize(
+    ("wish", "problem"),
+    [
+        ("0", None),
+        ("a CARD", None),
+        ("1", "chooses no device that is usable"),
+        ("old", "chooses no device that is usable"),
+        ("2", "no Vulkan device has that index or name"),
+        ("another", "no Vulkan device has that index or name"),
+    ],
+)
+def test_the_device_of_the_environment(doctor, monkeypatch, wish, problem):
+    monkeypatch.setenv("HDWAVEFRONT_DEVICE", wish)
+    code, out = doctor({**CARD, "name": "A card 2"}, OLD)  # digits are an index, not a part of a name
+    assert (code, "What is wrong:" in out) == ((1, True) if problem else (0, False))
+    assert wish in out and (problem is None or (f"$HDWAVEFRONT_DEVICE is '{wish}'" in out and problem in out))
+
+
+def test_missing_libraries_of_materialx(doctor, tmp_path):
+    (tmp_path / "materialx/stdlib").rmdir()
+    code, out = doctor(CARD)
+    assert code == 1 and "the MaterialX libraries are missing in" in out
+
+
+def test_a_section_that_fails_does_not_hide_the_rest(doctor, monkeypatch):
+    monkeypatch.setenv("OCIO", "missing.ocio")
+    monkeypatch.setitem(sys.modules, "OpenImageIO", None)
+    code, out = doctor(CARD)
+    assert code == 1 and "Colour: The OpenColorIO configuration missing.ocio" in out and "  - Images: " in out
+
+
+def test_no_usd(doctor, monkeypatch):
+    monkeypatch.setitem(sys.modules, "pxr", None)
+    code, out = doctor(CARD)
+    assert code == 1 and "pip install 'hdwavefront[usd]'" in out
