@@ -33,6 +33,15 @@ struct DeviceDescription {
 };
 std::vector<DeviceDescription> ListDevices();
 
+// What is alive in this process; all zero where no Renderer is. Any thread.
+struct LiveObjects {
+  int64_t renderers = 0;
+  int64_t deviceBytes = 0;
+  std::map<std::string, int64_t> handles;  // Vulkan handles by kind
+  int64_t handleCount() const;
+};
+LiveObjects CountLiveObjects();
+
 struct RendererOptions {
   std::string device;          // index or part of the name; empty: HDWAVEFRONT_DEVICE, else the best one
   bool validation = false;     // also HDWAVEFRONT_VALIDATION=1
@@ -78,6 +87,7 @@ struct RenderStats {
   double renderSeconds = 0, commitSeconds = 0, bvhSeconds = 0;
   std::map<std::string, uint64_t> memoryBytes, memoryPeakBytes;  // by kind
   uint64_t triangles = 0, instances = 0, lights = 0, lightItems = 0, materials = 0, textures = 0;
+  uint64_t uploadedBytes = 0;              // to the device, since it was made
   uint64_t validationMessages = 0;
   uint32_t errorFlags = 0;                 // shared/error_flags.h; 0: none
   uint32_t poolSize = 0;

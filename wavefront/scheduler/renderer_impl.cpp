@@ -14,6 +14,8 @@
 namespace wavefront {
 namespace {
 
+std::atomic<int64_t> liveRenderers{0};
+
 // As statistics name the queues: the row's name, first letter small.
 std::string QueueName(std::string name) {
   name[0] = static_cast<char>(std::tolower(static_cast<unsigned char>(name[0])));
@@ -61,11 +63,22 @@ Result<std::unique_ptr<Renderer>> RendererImpl::Make(const RendererOptions& opti
   return std::unique_ptr<Renderer>(std::move(renderer));
 }
 
+RendererImpl::RendererImpl(const RendererOptions& options) : options_(options) { ++liveRenderers; }
 RendererImpl::~RendererImpl() {
   Stop();
-  std::lock_guard lock(deviceMutex_);
-  tracer_.reset();
-  scene_.reset();
+  {
+    std::lock_guard lock(deviceMutex_);
+    tracer_.reset();
+    scene_.reset();
+  }
+  --liveRenderers;
+}
+
+LiveObjects CountLiveObjects() { return {liveRenderers, vulkan::LiveDeviceBytes(), vulkan::LiveHandles()}; }
+int64_t LiveObjects::handleCount() const {
+  int64_t count = 0;
+  for (const auto& [kind, alive] : handles) count += alive;
+  return count;
 }
 
 void RendererImpl::SetCamera(const CameraData& camera) {
@@ -308,6 +321,7 @@ void RendererImpl::Publish() {
   s.lightItems = scene_->facts().lightItemCount;
   s.materials = scene_->materials.count();
   s.textures = scene_->textures.count();
+  s.uploadedBytes = device_->uploadedBytes();
   s.validationMessages = vulkan::ValidationMessageCount();
   s.errorFlags = loop.errorFlags;
   s.poolSize = tracer_->poolSize();

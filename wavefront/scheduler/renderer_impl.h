@@ -58,7 +58,7 @@ class RendererImpl final : public Renderer {
 
  private:
   using Clock = std::chrono::steady_clock;
-  explicit RendererImpl(const RendererOptions& options) : options_(options) {}
+  explicit RendererImpl(const RendererOptions& options);
   void Run();
   Status RenderUntilStopped();
   void Publish();

@@ -10,6 +10,8 @@
 namespace wavefront::vulkan {
 namespace {
 
+std::atomic<int64_t> liveBytes{0};  // of all devices
+
 const char* ResultName(VkResult result) {
   switch (result) {
     case VK_ERROR_OUT_OF_HOST_MEMORY: return "out of host memory";
@@ -94,6 +96,7 @@ Status Context::Charge(uint64_t bytes, MemoryKind kind, const std::string& name)
   use.current += bytes;
   use.peak = std::max(use.peak, use.current);
   total_.current += bytes;
+  liveBytes += static_cast<int64_t>(bytes);
   total_.peak = std::max(total_.peak, total_.current);
   return {};
 }
@@ -102,7 +105,10 @@ void Context::Refund(uint64_t bytes, MemoryKind kind) {
   std::scoped_lock lock(memoryMutex_);
   byKind_[static_cast<std::size_t>(kind)].current -= bytes;
   total_.current -= bytes;
+  liveBytes -= static_cast<int64_t>(bytes);
 }
+
+int64_t LiveDeviceBytes() { return liveBytes; }
 
 MemoryUse Context::MemoryTotal() const {
   std::scoped_lock lock(memoryMutex_);

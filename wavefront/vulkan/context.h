@@ -51,6 +51,7 @@ struct Context : std::enable_shared_from_this<Context> {
   bool directWrites = false;  // device memory is written by the host without staging
   VkPipelineCache pipelineCache = VK_NULL_HANDLE;
   std::atomic<int64_t> liveObjects{0};
+  std::atomic<uint64_t> uploadedBytes{0};  // so far, to buffers and images
   std::atomic<bool> lost{false};
 
   Context() = default;

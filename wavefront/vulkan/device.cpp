@@ -3,16 +3,14 @@
 #include "wavefront/vulkan/device.h"
 
 #include <algorithm>
-#include <atomic>
 #include <cstdlib>
 
 #include "wavefront/vulkan/context.h"
+#include "wavefront/vulkan/live_handles.h"
 #include "wavefront/vulkan/transfer.h"
 
 namespace wavefront::vulkan {
 namespace {
-
-std::atomic<int64_t> liveDevices{0};
 
 std::string Environment(const char* name) {
   const char* text = std::getenv(name);
@@ -41,8 +39,9 @@ Status CreateLogicalDevice(Context& context) {
     context.device = VK_NULL_HANDLE;
     return Error{VulkanError("vkCreateDevice", result).message + " on " + context.info.name};
   }
-  ++liveDevices;
+  CountHandle(HandleKind::Device, 1);
   volkLoadDeviceTable(&context.vk, context.device);
+  CountDeviceHandles(context.instance->handle, context.vk);
   context.vk.vkGetDeviceQueue(context.device, context.queueFamily, 0, &context.queue);
   vkGetPhysicalDeviceMemoryProperties(context.physical, &context.memoryProperties);
   return {};
@@ -64,10 +63,10 @@ Context::~Context() {
   transfer_.reset();
   if (pipelineCache != VK_NULL_HANDLE) vk.vkDestroyPipelineCache(device, pipelineCache, nullptr);
   vk.vkDestroyDevice(device, nullptr);
-  --liveDevices;
+  CountHandle(HandleKind::Device, -1);
 }
 
-int64_t LiveDevices() { return liveDevices; }
+int64_t LiveDevices() { return LiveHandles()["Device"]; }
 
 Result<std::vector<DeviceInfo>> ListDevices() {
   auto instance = Instance::Acquire(Validation::Off);
@@ -113,6 +112,7 @@ uint64_t Device::memoryBudget() const { return context_->budget; }
 MemoryUse Device::memoryUse() const { return context_->MemoryTotal(); }
 MemoryByKind Device::memoryByKind() const { return context_->MemoryKinds(); }
 int64_t Device::liveObjects() const { return context_->liveObjects; }
+uint64_t Device::uploadedBytes() const { return context_->uploadedBytes; }
 Status Device::WaitIdle() { return context_->WaitIdle(); }
 
 Result<std::vector<std::byte>> Device::PipelineCacheData() const {

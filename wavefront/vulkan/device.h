@@ -5,6 +5,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <span>
 #include <string>
@@ -105,6 +106,9 @@ class Device {
   // Buffers, images, views, layouts, sets, pipelines and streams alive on this device.
   int64_t liveObjects() const;
 
+  // By Buffer::Upload and Image::Upload since the device was made.
+  uint64_t uploadedBytes() const;
+
   // To be kept on disk and given back in DeviceOptions. Useful where pipeline creation compiles (NVIDIA).
   Result<std::vector<std::byte>> PipelineCacheData() const;
 
@@ -118,7 +122,12 @@ class Device {
   std::shared_ptr<Context> context_;
 };
 
+// Vulkan handles alive in this process, by kind ("Buffer", "DeviceMemory", "Instance" ...), counted where the driver is
+// called. All kinds are there, also those with none.
+std::map<std::string, int64_t> LiveHandles();
 // VkDevices alive in this process.
 int64_t LiveDevices();
+// Bytes of device memory allocated in this process, as they are charged to the budgets.
+int64_t LiveDeviceBytes();
 
 }  // namespace wavefront::vulkan

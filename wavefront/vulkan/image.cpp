@@ -66,7 +66,7 @@ Result<std::unique_ptr<Image>> Image::Create(Device& device, const ImageDesc& de
 Status Image::Build() {
   const VolkDeviceTable& vk = context_->vk;
   const VkFormat format = ToVulkan(desc_.format);
-  const bool integer = desc_.format == Format::R32Uint || desc_.format == Format::Rgba32Uint;
+  const bool integer = desc_.format == Format::R32Uint || desc_.format == Format::Rg32Uint || desc_.format == Format::Rgba32Uint;
   VkFormatFeatureFlags wanted = VK_FORMAT_FEATURE_SAMPLED_IMAGE_BIT | VK_FORMAT_FEATURE_TRANSFER_DST_BIT;
   if (!integer) wanted |= VK_FORMAT_FEATURE_SAMPLED_IMAGE_FILTER_LINEAR_BIT;
   VkFormatProperties properties{};
@@ -166,6 +166,7 @@ Status Image::Upload(std::span<const ImageRegion> regions, std::span<const std::
       return Error{"an upload passes the end of image '" + desc_.name + "' or of its data"};
     }
   }
+  for (const ImageRegion& region : regions) context_->uploadedBytes += RegionBytes(region, desc_.format);
   uint64_t bytes = 0;
   while (!waiting.empty()) {
     const ImageRegion region = waiting.back();

@@ -13,6 +13,7 @@
 
 #include "wavefront/vulkan/context.h"
 #include "wavefront/vulkan/device.h"
+#include "wavefront/vulkan/live_handles.h"
 
 namespace wavefront::vulkan {
 namespace {
@@ -126,6 +127,7 @@ Result<std::shared_ptr<Instance>> CreateInstance(Validation validation) {
     }
     return VulkanError("vkCreateInstance", result);
   }
+  CountHandle(HandleKind::Instance, 1);
   // Core functions got here are the loader's own and serve every instance: loading them once is enough,
   // and never writes them while another thread calls through them.
   static std::once_flag loaded;
@@ -153,7 +155,9 @@ Result<std::shared_ptr<Instance>> CreateInstance(Validation validation) {
 
 Instance::~Instance() {
   if (messenger != VK_NULL_HANDLE) destroyMessenger(handle, messenger, nullptr);
-  if (handle != VK_NULL_HANDLE) vkDestroyInstance(handle, nullptr);
+  if (handle == VK_NULL_HANDLE) return;
+  vkDestroyInstance(handle, nullptr);
+  CountHandle(HandleKind::Instance, -1);
 }
 
 Result<std::shared_ptr<Instance>> Instance::Acquire(Validation validation) {

@@ -155,6 +155,7 @@ nb::dict StatsDict(const RenderDelegate& self) {
   d["lightItems"] = stats.lightItems;
   d["materials"] = stats.materials;
   d["textures"] = stats.textures;
+  d["uploadedBytes"] = stats.uploadedBytes;
   d["validationMessages"] = stats.validationMessages;
   d["errorFlags"] = stats.errorFlags;
   d["poolSize"] = stats.poolSize;
