@@ -86,7 +86,7 @@ def run(
     """Dispatch a compute shader (GLSL text, or SPIR-V bytes) and return its storage buffers as new arrays.
 
     buffers: storage buffers by binding number, or by variable (or block) name in the shader.
-    texel: uniform texel buffers: (array, format), format of r32ui r32f rgba32ui rgba32f rgba8 rgba16f.
+    texel: uniform texel buffers: (array, format), format of r32ui r32f rg32ui rgba32ui rgba32f rgba8 rgba16f.
     spec: specialisation constants by constant_id, as the bits of a uint. push: at most 128 bytes.
     repeat: run the dispatch so often on the same buffers; last_nanoseconds is the time of the last one.
     """

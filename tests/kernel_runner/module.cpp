@@ -40,7 +40,7 @@ using Input = std::tuple<uint32_t, std::string, nb::bytes>;
 
 const std::map<std::string, Format>& TexelFormats() {
   static const std::map<std::string, Format> formats = {
-      {"r32ui", Format::R32Uint},       {"r32f", Format::R32Float},       {"rgba32ui", Format::Rgba32Uint},
+      {"r32ui", Format::R32Uint},       {"r32f", Format::R32Float},       {"rg32ui", Format::Rg32Uint},     {"rgba32ui", Format::Rgba32Uint},
       {"rgba32f", Format::Rgba32Float}, {"rgba8", Format::Rgba8Unorm}, {"rgba16f", Format::Rgba16Float}};
   return formats;
 }
@@ -48,7 +48,7 @@ const std::map<std::string, Format>& TexelFormats() {
 Format TexelFormatOf(const std::string& name) {
   const auto found = TexelFormats().find(name);
   if (found == TexelFormats().end()) {
-    throw std::runtime_error("unknown texel format '" + name + "' (r32ui, r32f, rgba32ui, rgba32f, rgba8, rgba16f)");
+    throw std::runtime_error("unknown texel format '" + name + "' (r32ui, r32f, rg32ui, rgba32ui, rgba32f, rgba8, rgba16f)");
   }
   return found->second;
 }
@@ -56,7 +56,7 @@ Format TexelFormatOf(const std::string& name) {
 DescriptorKind KindOf(const std::string& name) {
   if (name == "storage") return DescriptorKind::StorageBuffer;
   const Format format = TexelFormatOf(name);
-  const bool integer = format == Format::R32Uint || format == Format::Rgba32Uint;
+  const bool integer = format == Format::R32Uint || format == Format::Rg32Uint || format == Format::Rgba32Uint;
   return integer ? DescriptorKind::TexelBufferUint : DescriptorKind::TexelBufferFloat;
 }
 

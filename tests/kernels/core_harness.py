@@ -35,6 +35,8 @@ def bindings() -> dict[str, tuple[int, str]]:
     for number, kind, name in re.findall(r"binding = (\d+)\) uniform (u?)textureBuffer (\w+);", text):
         single = name in ("indexStream", "primvarStream", "lightDistribution", "pageTable")
         texel = ("r32" if single else "rgba32") + ("ui" if kind else "f")
+        if name == "texturePages":
+            texel = "rg32ui"
         found[name] = (int(number), texel)
     assert len(found) == len(re.findall(r"^layout\(set = 0", text, re.M)), "a binding that this pattern does not read"
     return found

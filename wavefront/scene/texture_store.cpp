@@ -15,7 +15,7 @@ using layout::kPageBlockBytes, layout::kPagePitch, layout::kPageSide;
 constexpr uint32_t kPageTexels = kPagePitch * kPagePitch;
 constexpr uint32_t kTailSide = kPageSide / 2;
 static_assert(kPageSide == 1u << layout::kPageShift && kPagePitch == kPageSide + 1);
-static_assert(kPageBlockBytes % 16 == 0 && kPageBlockBytes >= kPageTexels * TexelBytes(TexelFormat::Rgba8Unorm));
+static_assert(kPageBlockBytes % 8 == 0 && kPageBlockBytes >= kPageTexels * TexelBytes(TexelFormat::Rgba8Unorm));
 uint32_t Pages(uint32_t side) { return (side + kPageSide - 1) / kPageSide; }
 uint32_t BlocksPerPage(TexelFormat format) { return TexelBytes(format) / TexelBytes(TexelFormat::Rgba8Unorm); }
 
@@ -37,7 +37,7 @@ TextureStore::TextureStore(vulkan::Device& device)
     : records(device, "texture records", MemoryKind::Textures, 16 * layout::kTextureTexels),
       pageTable(device, "page table", MemoryKind::Textures, 4),
       pages(device, "texture pages", MemoryKind::Textures, kPageBlockBytes),
-      maxBlocks_(std::min<uint64_t>(device.info().limits.maxTexelBufferElements * 16, device.memoryBudget() / 2) / kPageBlockBytes) {}
+      maxBlocks_(std::min<uint64_t>(device.info().limits.maxTexelBufferElements * 8, device.memoryBudget() / 2) / kPageBlockBytes) {}
 
 uint32_t TextureStore::FirstBlock(const Resident& r, uint32_t page) { return r.blocks.first + page * BlocksPerPage(r.format); }
 uint32_t TextureStore::FirstTexel(const Resident& r, uint32_t page) { return FirstBlock(r, page) * (kPageBlockBytes / TexelBytes(r.format)); }

@@ -110,7 +110,7 @@ WF_CONST(kTextureTexels, 1u)
 WF_CONST(kPageShift, 6u)
 WF_CONST(kPageSide, 64u)
 WF_CONST(kPagePitch, 65u)
-// The pool is handed out in blocks of this many bytes (a multiple of 16: it is fetched as uvec4): a page of bytes takes
+// The pool is handed out in blocks of this many bytes (a multiple of 8: it is fetched as uvec2): a page of bytes takes
 // one, a page of halfs two.
 WF_CONST(kPageBlockBytes, 16912u)
 

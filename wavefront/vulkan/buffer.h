@@ -21,7 +21,7 @@ namespace wavefront::vulkan {
 enum class MemoryLocation : uint8_t { DeviceLocal, HostVisible };
 
 // What one element of a texel-buffer view or a texel of an image is.
-enum class Format : uint8_t { R32Uint, R32Float, Rgba32Uint, Rgba32Float, Rgba8Unorm, Rgba16Float };
+enum class Format : uint8_t { R32Uint, R32Float, Rg32Uint, Rgba32Uint, Rgba32Float, Rgba8Unorm, Rgba16Float };
 uint32_t FormatBytes(Format format);
 
 struct BufferDesc {

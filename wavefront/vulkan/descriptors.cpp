@@ -29,7 +29,7 @@ bool IsTexel(DescriptorKind kind) {
   return kind == DescriptorKind::TexelBufferUint || kind == DescriptorKind::TexelBufferFloat;
 }
 
-bool IsUint(Format format) { return format == Format::R32Uint || format == Format::Rgba32Uint; }
+bool IsUint(Format format) { return format == Format::R32Uint || format == Format::Rg32Uint || format == Format::Rgba32Uint; }
 
 }  // namespace
 

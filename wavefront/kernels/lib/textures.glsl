@@ -37,8 +37,7 @@ int textureTaps(float u, int size, uint mode, out vec2 weights) {
 // A texel of the pool, counted from its start in texels of the format. Bytes come as 0 to 255. Both formats are unpacked
 // from one fetch: software devices pay for both sides of a branch, and fetches cost more than arithmetic.
 vec4 textureTexel(bool isHalf, int at) {
-  uvec4 words = texelFetch(texturePages, isHalf ? at >> 1 : at >> 2);
-  uvec2 pair = (at & (isHalf ? 1 : 2)) == 0 ? words.xy : words.zw;
+  uvec2 pair = texelFetch(texturePages, isHalf ? at : at >> 1).xy;
   int bytes = int((at & 1) == 0 ? pair.x : pair.y);
   vec4 fromBytes = vec4(bytes & 255, (bytes >> 8) & 255, (bytes >> 16) & 255, (bytes >> 24) & 255);
   vec4 fromHalfs = vec4(unpackHalf2x16(pair.x), unpackHalf2x16(pair.y));
@@ -58,9 +57,10 @@ vec4 textureRead(uint textureId, vec2 uv, float footprint, uint wrapU, uint wrap
   float levelBlend = lod - float(level0);
 
   vec4 result = vec4(0.0);
-  // Both levels in a row, not as a loop: the loop ran longer even where one level was wanted, and compiled no faster.
+  // Both levels in a row, not as a loop: the loop ran longer, and compiled no faster. Where one level is wanted it is
+  // read twice: the second time from the cache.
   [[unroll]] for (uint l = 0u; l < 2u; ++l) {
-    uint level = min(level0 + l, lastLevel);
+    uint level = level0 + (levelBlend > 0.0 ? l : 0u);
     ivec2 size = max(ivec2(info.xy >> level), ivec2(1));
     vec2 wx, wy;
     int x = textureTaps(uv.x, size.x, wrapU, wx), y = textureTaps(uv.y, size.y, wrapV, wy);
