@@ -26,6 +26,7 @@ VkFormat ToVulkan(Format format) {
   switch (format) {
     case Format::R32Uint: return VK_FORMAT_R32_UINT;
     case Format::R32Float: return VK_FORMAT_R32_SFLOAT;
+    case Format::Rg32Uint: return VK_FORMAT_R32G32_UINT;
     case Format::Rgba32Uint: return VK_FORMAT_R32G32B32A32_UINT;
     case Format::Rgba32Float: return VK_FORMAT_R32G32B32A32_SFLOAT;
     case Format::Rgba8Unorm: return VK_FORMAT_R8G8B8A8_UNORM;
@@ -39,6 +40,7 @@ uint32_t FormatBytes(Format format) {
     case Format::R32Uint:
     case Format::R32Float:
     case Format::Rgba8Unorm: return 4;
+    case Format::Rg32Uint:
     case Format::Rgba16Float: return 8;
     case Format::Rgba32Uint:
     case Format::Rgba32Float: return 16;

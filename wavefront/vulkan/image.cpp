@@ -66,7 +66,7 @@ Result<std::unique_ptr<Image>> Image::Create(Device& device, const ImageDesc& de
 Status Image::Build() {
   const VolkDeviceTable& vk = context_->vk;
   const VkFormat format = ToVulkan(desc_.format);
-  const bool integer = desc_.format == Format::R32Uint || desc_.format == Format::Rgba32Uint;
+  const bool integer = desc_.format == Format::R32Uint || desc_.format == Format::Rg32Uint || desc_.format == Format::Rgba32Uint;
   VkFormatFeatureFlags wanted = VK_FORMAT_FEATURE_SAMPLED_IMAGE_BIT | VK_FORMAT_FEATURE_TRANSFER_DST_BIT;
   if (!integer) wanted |= VK_FORMAT_FEATURE_SAMPLED_IMAGE_FILTER_LINEAR_BIT;
   VkFormatProperties properties{};
