@@ -101,7 +101,7 @@ void GprimStore::Destroy(const std::string& path) {
 }
 
 bool GprimStore::Wanted(const Gprim& g, const What& what) const {
-  return g.visible && what.renderTags.count(g.renderTag) > 0;
+  return g.visible && (what.renderTags.empty() || what.renderTags.count(g.renderTag) > 0);
 }
 
 // Triangles of meshes, in parallel. The authored points stand in the time samples; they are lent to the input.

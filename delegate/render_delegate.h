@@ -47,7 +47,7 @@ struct RenderPassUpdate {
   std::optional<double> pixelAspectRatio;
   std::optional<ConformPolicy> windowPolicy;          // default Fit (UsdRender's expandAperture)
   std::optional<std::vector<std::string>> renderTags; // default: geometry and render;
-                                                      // "" counts as "geometry"
+                                                      // "" counts as "geometry"; none at all: every tag
   // Color is always there. By token: wavefront::SelectAovs, whose two lists go here, and RenderDelegate::FindAov.
   std::optional<std::vector<wavefront::Aov>> aovs;
   std::optional<std::vector<std::string>> primvarAovs;  // names by slot, of the Primvar slots in `aovs`

@@ -289,6 +289,10 @@ TEST(RenderDelegate, VisibilityAndRenderTagsDecideWhatIsDrawn) {
   f.delegate->Sync("/guide", hidden);
   f.Commit();
   EXPECT_EQ(f.renderer->instances.size(), 2u);
+  pass.renderTags = std::vector<std::string>();  // Hydra: an empty set filters nothing (Blender passes it)
+  ASSERT_TRUE(f.delegate->SetRenderPass(pass).ok());
+  f.Commit();
+  EXPECT_EQ(f.renderer->instances.size(), 4u);
 }
 
 TEST(RenderDelegate, InstancesOfAPrototypeShareItsMesh) {
