@@ -88,7 +88,6 @@ struct LightData {
   Float3 focusTint{0, 0, 0};
   TextureId texture = kInvalidId;  // rect: multiplies radiance; dome: latlong radiance
   bool visibleToCamera = true;
-  bool treatAsPoint = false, treatAsLine = false;
   bool castsShadows = true;
   uint32_t lightLink = 0, shadowLink = 0, lightGroup = 0;  // reserved groups
 };
@@ -120,8 +119,6 @@ struct TextureData {
   TexelFormat format = TexelFormat::Rgba8Unorm;
   std::vector<uint8_t> texels;           // width * height * (4 or 8) bytes
 };
-
-enum class WindowPolicy : uint8_t { AdjustNothing };  // the delegate conforms; the core takes the final window
 
 // Pinhole or thin-lens camera. Camera space: looks along -Z, +Y up.
 struct CameraData {

@@ -231,8 +231,6 @@ std::optional<wavefront::LightData> ConvertLight(const std::string& path, const 
     light.focusTint = p.shaping->focusTint;
   }
   light.visibleToCamera = p.visibleToCamera;
-  light.treatAsPoint = p.treatAsPoint;
-  light.treatAsLine = p.treatAsLine;
   light.castsShadows = p.shadowEnable;
   if (*type == LightType::Dome && p.poleAxis == "Z") {
     // UsdLuxDomeLight_1: the texture's pole (+Y) stands on +Z: a quarter turn about X comes first.

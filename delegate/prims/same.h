@@ -61,8 +61,8 @@ inline auto Fields(const CameraParams& v) {
 }
 inline auto Fields(const wavefront::LightData& v) {
   return std::tie(v.path, v.type, v.transforms, v.radiance, v.width, v.height, v.radius, v.length, v.angle, v.coneAngle,
-                  v.coneSoftness, v.focus, v.focusTint, v.texture, v.visibleToCamera, v.treatAsPoint, v.treatAsLine,
-                  v.castsShadows, v.lightLink, v.shadowLink, v.lightGroup);
+                  v.coneSoftness, v.focus, v.focusTint, v.texture, v.visibleToCamera, v.castsShadows, v.lightLink,
+                  v.shadowLink, v.lightGroup);
 }
 inline auto Fields(const wavefront::CameraData& v) {
   return std::tie(v.transforms, v.orthographic, v.left, v.right, v.bottom, v.top, v.nearClip, v.farClip, v.lensRadius,
