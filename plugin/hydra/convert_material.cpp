@@ -7,6 +7,7 @@
 #include <pxr/usd/sdf/assetPath.h>
 
 #include <algorithm>
+#include <map>
 #include <set>
 
 #include "plugin/hydra/convert_value.h"
@@ -16,42 +17,50 @@ namespace {
 
 constexpr const char* kColorSpacePrefix = "colorSpace:";
 
+// HdMaterialNetwork2 is not used: its layout, and that of what HdConvertToHdMaterialNetwork2 returns, changed within the
+// versions that one build may meet.
 class Walk {
  public:
-  Walk(const HdMaterialNetwork2& source, ConvertedMaterial& result) : source_(source), result_(result) {}
+  Walk(const HdMaterialNetwork& source, ConvertedMaterial& result) : result_(result) {
+    for (const HdMaterialNode& node : source.nodes) nodes_[node.path] = &node;
+    for (const HdMaterialRelationship& r : source.relationships) inputs_[r.outputId].push_back(&r);
+    for (auto& [path, inputs] : inputs_)
+      std::stable_sort(inputs.begin(), inputs.end(),
+                       [](const auto* a, const auto* b) { return a->outputName < b->outputName; });
+  }
 
-  materialgen::MaterialNetwork From(const SdfPath& material, const HdMaterialConnection2& surface) {
+  materialgen::MaterialNetwork From(const SdfPath& material, const HdMaterialNode& surface) {
     network_.path = material.GetString();
-    network_.surfaceNode = surface.upstreamNode.GetString();
-    network_.surfaceOutput = surface.upstreamOutputName.GetString();
+    network_.surfaceNode = surface.path.GetString();
+    network_.surfaceOutput = HdMaterialTerminalTokens->surface.GetString();
     // A stack of our own: a chain of thousands of nodes must not end the thread's.
-    std::vector<SdfPath> pending{surface.upstreamNode};
+    std::vector<SdfPath> pending{surface.path};
     while (!pending.empty()) {
       const SdfPath path = pending.back();
       pending.pop_back();
-      const auto found = source_.nodes.find(path);
-      if (found == source_.nodes.end() || !seen_.insert(path).second) continue;
-      AddNode(path, found->second, pending);
+      const auto found = nodes_.find(path);
+      if (found == nodes_.end() || !seen_.insert(path).second) continue;
+      AddNode(*found->second, pending);
     }
     return std::move(network_);
   }
 
  private:
-  void AddNode(const SdfPath& path, const HdMaterialNode2& node, std::vector<SdfPath>& pending) {
+  void AddNode(const HdMaterialNode& node, std::vector<SdfPath>& pending) {
     materialgen::Node converted;
-    converted.path = path.GetString();
-    converted.identifier = node.nodeTypeId.GetString();
-    for (const auto& [name, value] : node.parameters) AddParameter(path, node, name, value, converted);
-    for (const auto& [input, connections] : node.inputConnections)
-      for (const HdMaterialConnection2& connection : connections) {
-        network_.connections.push_back({connection.upstreamNode.GetString(),
-                                        connection.upstreamOutputName.GetString(), converted.path, input.GetString()});
-        pending.push_back(connection.upstreamNode);
-      }
+    converted.path = node.path.GetString();
+    converted.identifier = node.identifier.GetString();
+    for (const auto& [name, value] : node.parameters) AddParameter(node, name, value, converted);
+    // Hydra names the ends of a relationship the other way round: its input is the node above, its output the one below.
+    for (const HdMaterialRelationship* r : inputs_[node.path]) {
+      network_.connections.push_back(
+          {r->inputId.GetString(), r->inputName.GetString(), converted.path, r->outputName.GetString()});
+      pending.push_back(r->inputId);
+    }
     network_.nodes.push_back(std::move(converted));
   }
 
-  void AddParameter(const SdfPath& path, const HdMaterialNode2& node, const TfToken& name, const VtValue& value,
+  void AddParameter(const HdMaterialNode& node, const TfToken& name, const VtValue& value,
                     materialgen::Node& converted) {
     // "colorSpace:file" tells the colour space of "file"; "typeName:file" its type, which the node's definition knows.
     if (TfStringStartsWith(name.GetString(), kColorSpacePrefix) || TfStringStartsWith(name.GetString(), "typeName:"))
@@ -59,7 +68,7 @@ class Walk {
     if (value.IsEmpty()) return;
     materialgen::Value parameter = ToParameter(value);
     if (std::holds_alternative<std::monostate>(parameter)) {
-      result_.messages.emplace_back("material-value-type", path.AppendProperty(name).GetString() +
+      result_.messages.emplace_back("material-value-type", converted.path + "." + name.GetString() +
                                                                ": values of type " + value.GetTypeName() +
                                                                " are not supported in material networks; the input "
                                                                "keeps its default");
@@ -73,8 +82,9 @@ class Walk {
     converted.parameters[name.GetString()] = std::move(parameter);
   }
 
-  const HdMaterialNetwork2& source_;
   ConvertedMaterial& result_;
+  std::map<SdfPath, const HdMaterialNode*> nodes_;
+  std::map<SdfPath, std::vector<const HdMaterialRelationship*>> inputs_;
   materialgen::MaterialNetwork network_;
   std::set<SdfPath> seen_;
 };
@@ -87,26 +97,27 @@ const char* ContextOf(const materialgen::MaterialNetwork& network) {
 }
 
 // UsdPreviewSurface's displacement is often connected by habit and never set.
-bool DoesSomething(const HdMaterialNetwork2& network, const HdMaterialConnection2& displacement) {
-  const auto node = network.nodes.find(displacement.upstreamNode);
-  if (node == network.nodes.end()) return false;
-  if (node->second.nodeTypeId != TfToken("UsdPreviewSurface")) return true;
-  if (node->second.inputConnections.count(TfToken("displacement"))) return true;
-  const auto value = node->second.parameters.find(TfToken("displacement"));
-  return value != node->second.parameters.end() && ToNumber(value->second).value_or(0) != 0;
+bool DoesSomething(const HdMaterialNetwork& network) {
+  const HdMaterialNode& node = network.nodes.back();
+  if (node.identifier != TfToken("UsdPreviewSurface")) return true;
+  const TfToken name("displacement");
+  for (const HdMaterialRelationship& r : network.relationships)
+    if (r.outputId == node.path && r.outputName == name) return true;
+  const auto value = node.parameters.find(name);
+  return value != node.parameters.end() && ToNumber(value->second).value_or(0) != 0;
 }
 
 }  // namespace
 
 ConvertedMaterial ToMaterial(const SdfPath& id, const HdMaterialNetworkMap& networks) {
   ConvertedMaterial result;
-  const HdMaterialNetwork2 source = HdConvertToHdMaterialNetwork2(networks);
-  const auto terminal = [&](const TfToken& name) {
-    const auto found = source.terminals.find(name);
-    return found == source.terminals.end() ? nullptr : &found->second;
+  // The last node of a network is its terminal.
+  const auto terminal = [&](const TfToken& name) -> const HdMaterialNetwork* {
+    const auto found = networks.map.find(name);
+    return found == networks.map.end() || found->second.nodes.empty() ? nullptr : &found->second;
   };
-  if (const HdMaterialConnection2* surface = terminal(HdMaterialTerminalTokens->surface)) {
-    materialgen::MaterialNetwork network = Walk(source, result).From(id, *surface);
+  if (const HdMaterialNetwork* surface = terminal(HdMaterialTerminalTokens->surface)) {
+    materialgen::MaterialNetwork network = Walk(*surface, result).From(id, surface->nodes.back());
     const std::string context = ContextOf(network);
     result.update.contexts.emplace_back(context, std::move(network));
   } else {
@@ -114,7 +125,7 @@ ConvertedMaterial ToMaterial(const SdfPath& id, const HdMaterialNetworkMap& netw
                                  "the material has no surface that can be rendered; the default is used");
   }
   if (const auto* displacement = terminal(HdMaterialTerminalTokens->displacement);
-      displacement && DoesSomething(source, *displacement))
+      displacement && DoesSomething(*displacement))
     result.messages.emplace_back("material-displacement-unsupported",
                                  "displacement is not rendered yet; it is ignored");
   if (terminal(HdMaterialTerminalTokens->volume))

@@ -12,8 +12,10 @@ namespace hydra {
 void Material::Sync(HdSceneDelegate* sceneDelegate, HdRenderParam* renderParam, HdDirtyBits* dirtyBits) {
   // Some hosts dirty parameters with bits of their own: any of them means to look again. The core compares.
   const VtValue resource = sceneDelegate->GetMaterialResource(GetId());
-  HdMaterialNetworkMap networks;
-  if (resource.IsHolding<HdMaterialNetworkMap>()) networks = resource.UncheckedGet<HdMaterialNetworkMap>();
+  // By reference, never copied: newer versions of OpenUSD append members.
+  static const HdMaterialNetworkMap none;
+  const HdMaterialNetworkMap& networks =
+      resource.IsHolding<HdMaterialNetworkMap>() ? resource.UncheckedGet<HdMaterialNetworkMap>() : none;
   ConvertedMaterial material = ToMaterial(GetId(), networks);
   for (const auto& [code, message] : material.messages)
     Param(renderParam).Report(wavefront::Severity::Warning, code, GetId(), message);
