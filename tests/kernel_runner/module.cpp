@@ -180,10 +180,12 @@ std::vector<uint32_t> Words(const nb::bytes& spirv) {
 
 }  // namespace
 
+void bindBench(nb::module_& module);  // bench_bindings.cpp
 void bindBvh(nb::module_& module);    // bvh_bindings.cpp
 void bindScene(nb::module_& module);  // scene_bindings.cpp
 
 NB_MODULE(_kernel_runner, m) {
+  bindBench(m);
   bindBvh(m);
   bindScene(m);
   m.def("compile", [](const std::string& source, const std::string& stage, const std::vector<std::string>& folders) {

@@ -82,10 +82,13 @@ LightData LightOf(const nb::dict& from) {
 }
 
 // textures: (width, height, "rgba8" or "rgba16f", bytes), row 0 at the bottom; the index is the texture id.
-// emissive: (instance, records, areas) as EmissiveTriangles.
+// emissive: (instance, records, areas) as EmissiveTriangles. memoryBudget: bytes, 0: the device's.
 nb::dict SceneTables(const std::vector<nb::dict>& lights, const std::vector<std::tuple<uint32_t, uint32_t, std::string, nb::bytes>>& textures,
-                     const std::vector<std::tuple<uint32_t, std::vector<uint32_t>, std::vector<float>>>& emissive, double sceneRadius) {
-  auto device = vulkan::Device::Create();
+                     const std::vector<std::tuple<uint32_t, std::vector<uint32_t>, std::vector<float>>>& emissive, double sceneRadius,
+                     uint64_t memoryBudget) {
+  vulkan::DeviceOptions options;
+  options.memoryBudgetBytes = memoryBudget;
+  auto device = vulkan::Device::Create(options);
   if (!device) throw std::runtime_error(device.error().message);
   nb::dict out;
   nb::list diagnostics;
@@ -134,7 +137,7 @@ nb::dict SceneTables(const std::vector<nb::dict>& lights, const std::vector<std:
 }  // namespace
 
 void bindScene(nb::module_& module) {
-  module.def("scene_tables", &SceneTables, nb::arg("lights"), nb::arg("textures"), nb::arg("emissive"), nb::arg("scene_radius"));
+  module.def("scene_tables", &SceneTables, nb::arg("lights"), nb::arg("textures"), nb::arg("emissive"), nb::arg("scene_radius"), nb::arg("memory_budget") = 0);
   module.def("halve_level", [](const nb::bytes& texels, uint32_t width, uint32_t height, const std::string& format) {
     const auto* first = reinterpret_cast<const uint8_t*>(texels.c_str());
     return ToBytes(HalveLevel({first, first + texels.size()}, width, height, format == "rgba8" ? TexelFormat::Rgba8Unorm : TexelFormat::Rgba16Float));

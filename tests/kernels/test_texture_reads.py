@@ -239,6 +239,24 @@ def test_a_missing_texture_reads_as_outside(kernel_runner, store):
     assert (got == OUTSIDE).all()
 
 
+def test_textures_that_do_not_fit_are_halved_with_a_diagnostic(kernel_runner):
+    """Half the budget takes 1984 blocks: 342 pages of halfs take two each, and 1366 of bytes do not fit beside."""
+    from _kernel_runner import scene_tables
+
+    large, other = image(2048, 2048, "rgba8"), image(1024, 1024, "rgba16f")
+    images = [(2048, 2048, "rgba8", large.tobytes()), (1024, 1024, "rgba16f", other.tobytes())]
+    tables = scene_tables([], images, [], 1.0, 64 << 20)
+    assert [d[0] for d in tables["diagnostics"]] == ["texture-reduced"]
+    assert "1024 x 1024" in tables["diagnostics"][0][2]
+    sizes = np.frombuffer(tables["textureRecords"], np.uint32).reshape(-1, 4)[:2, :2]
+    assert sizes.tolist() == [[1024, 1024], [1024, 1024]]
+    uv = (np.random.default_rng(3).integers(0, 1024, (256, 2)) + 0.5).astype(np.float32) / 1024
+    for index, level in ((0, pyramid(large)[1]), (1, as_float(other))):
+        got = read(kernel_runner, tables, index, uv, 0.0, CLAMP, CLAMP)
+        x, y = (uv * 1024).astype(int).T
+        assert np.abs(got - level[y, x]).max() < 1e-5
+
+
 @pytest.mark.parametrize("broken", [(0, 0, b""), (0, 5, b""), (4, 4, b"short")])
 def test_a_broken_image_is_magenta_with_a_diagnostic(kernel_runner, broken):
     from _kernel_runner import scene_tables
