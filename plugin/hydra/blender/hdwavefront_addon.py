@@ -2,10 +2,9 @@
 # Copyright the hdWavefront authors
 """Blender add-on: renders with the Hydra plugin hdWavefront, in the viewport and to files.
 
-Needs Blender 4.2 or later and an hdWavefront that was built for the OpenUSD inside of it. The plugin is found beside this
-file (as it is installed), else through the add-on's preference or the environment variable HDWAVEFRONT_HYDRA; each names
-the folder that holds plugInfo.json. The render settings are those of the plugin's settings.json: nothing of them is
-spelled here.
+Needs Blender 4.2 or later and an hdWavefront that was built for the OpenUSD inside of it. The plugin is found through the
+add-on's preference or the environment variable HDWAVEFRONT_HYDRA, which name the folder of plugInfo.json, else beside this
+file, as it is installed. The render settings are those of the plugin's settings.json: none of them is spelled here.
 """
 
 from __future__ import annotations
@@ -161,7 +160,7 @@ class WavefrontSamplingPanel(bpy.types.Panel):
             layout.prop(settings, row["token"])
 
 
-def shared_panels() -> list[type]:
+def shared_panels() -> list[Any]:
     """Blender's own panels that mean something here: what any render engine shows, less what has no counterpart."""
     without = ("freestyle", "simplify", "gpencil", "eevee", "shadow", "ambient_occlusion", "motion_blur")
     return [

@@ -2,9 +2,11 @@
 # Copyright the hdWavefront authors
 #
 # Writes the rows of delegate/settings.def as JSON, for hosts that build their panels from it (the Blender add-on).
+# Also as a script: cmake -DOUTPUT=FILE -P settings_json.cmake
+set(HDWAVEFRONT_SETTINGS_DEF "${CMAKE_CURRENT_LIST_DIR}/../../../delegate/settings.def")
+
 function(hdwavefront_write_settings_json output)
-  file(STRINGS "${PROJECT_SOURCE_DIR}/delegate/settings.def" lines REGEX "^DELEGATE_SETTING\\(")
-  set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS "${PROJECT_SOURCE_DIR}/delegate/settings.def")
+  file(STRINGS "${HDWAVEFRONT_SETTINGS_DEF}" lines REGEX "^DELEGATE_SETTING\\(")
   set(json "[]")
   set(count 0)
   foreach(line IN LISTS lines)
@@ -33,5 +35,11 @@ function(hdwavefront_write_settings_json output)
     string(JSON json SET "${json}" ${count} doc "${doc}")
     math(EXPR count "${count} + 1")
   endforeach()
-  file(CONFIGURE OUTPUT "${output}" CONTENT "${json}\n" @ONLY)
+  file(WRITE "${output}" "${json}\n")
 endfunction()
+
+if(CMAKE_SCRIPT_MODE_FILE)
+  hdwavefront_write_settings_json("${OUTPUT}")
+else()
+  set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS "${HDWAVEFRONT_SETTINGS_DEF}")
+endif()
