@@ -71,7 +71,8 @@ inline auto Fields(const wavefront::CameraData& v) {
 inline auto Fields(const wavefront::MaterialData& v) { return std::tie(v.path, v.kernelKey, v.parameters); }
 inline auto Fields(const wavefront::RenderSettings& v) {
   return std::tie(v.width, v.height, v.firstSample, v.samples, v.maxBounces, v.rouletteBounce, v.maxTransparency,
-                  v.seed, v.poolSize, v.samplesPerBatch, v.radianceClamp, v.cameraVisibleDome, v.shadows, v.aovs, v.primvarAovs);
+                  v.seed, v.poolSize, v.samplesPerBatch, v.radianceClamp, v.cameraVisibleDome, v.shadows,
+                  v.interactive, v.aovs, v.primvarAovs);
 }
 
 template <typename T>

@@ -53,3 +53,15 @@ def test_fallbacks_are_the_schemas(translated, schema, fallbacks):
 def test_primvars_come_along(translated):
     delegate, _ = translated('def Cube "s" { color3f[] primvars:displayColor = [(1, 0, 0)] }')
     assert [p[0] for p in delegate.told["/s"]["primvars"]] == ["displayColor"]
+
+
+@pytest.mark.parametrize("value", [0, 1])
+@pytest.mark.parametrize("schema", ["Cube", "Plane", "Mesh"])
+def test_double_sided(translated, schema, value):
+    delegate, _ = translated(f'def {schema} "s" {{ uniform bool doubleSided = {value} }}')
+    assert delegate.told["/s"]["double_sided"] is bool(value)
+
+
+@pytest.mark.parametrize(("schema", "fallback"), [("Cube", False), ("Plane", True), ("Mesh", False)])
+def test_double_sided_where_nothing_is_said(translated, schema, fallback):
+    assert translated(f'def {schema} "s" {{}}')[0].told["/s"]["double_sided"] is fallback

@@ -193,16 +193,13 @@ def Cube "direct" ( instanceable = true; prepend references = </source> ) {}
 
 
 def test_instances_that_inherit_other_materials_are_apart(translated):
-    delegate, _ = translated(
-        MATERIALS
-        + INSTANCES
-        + 'def Xform "r" (prepend apiSchemas = ["MaterialBindingAPI"]) {\n    rel material:binding = </red>\n'
-        + instance("i", 1)
-        + "}\n"
-        + 'def Xform "b" (prepend apiSchemas = ["MaterialBindingAPI"]) {\n    rel material:binding:full = </blue>\n'
-        + instance("i", 2)
-        + "}\n"
+    red = "rel material:binding = </red>"
+    both = f"{red}\n    rel material:binding:full = </blue>"
+    groups = "".join(
+        f'def Xform "{name}" (prepend apiSchemas = ["MaterialBindingAPI"]) {{\n    {lines}\n{instance("i", 1)}}}\n'
+        for name, lines in (("r", red), ("b", both))
     )
+    delegate, _ = translated(MATERIALS + INSTANCES + groups)
     worn = {delegate.told[c].get("instancer"): delegate.told[c]["material"] for c in delegate.named("implicit")}
     assert worn == {None: "", "/r/i.instances": "/red", "/b/i.instances": "/blue"}
 
@@ -404,3 +401,27 @@ def Xform "i" ( instanceable = true; prepend references = </source> ) { uniform 
     )
     tags = {delegate.told[c]["instancer"]: delegate.told[c]["render_tag"] for c in delegate.named("implicit")}
     assert tags == {"/source/pi": "geometry", "/i/pi": "proxy"}
+
+
+def test_what_instances_give_hides_what_their_prototype_inherits(translated):
+    """A constant on the way down does not; the prim's own value does."""
+    inside = """def Xform "way" { color3f[] primvars:displayColor = [(1, 1, 1)]
+        def Cube "inherits" {}
+        def Cube "own" { color3f[] primvars:displayColor = [(1, 1, 0)] }
+    }"""
+    delegate, _ = translated(
+        f"""
+def PointInstancer "pi" {{ {POINTS}
+    color3f[] primvars:displayColor = [(1, 0, 0), (0, 1, 0), (0, 0, 1)] (interpolation = "vertex")
+    rel prototypes = [</pi/a>, </pi/b>]
+    def Xform "a" {{ {inside} }}
+    def Cube "b" {{}}
+}}
+def Xform "source" {{ {inside} }}
+"""
+        + "".join(instance(n, x, f"color3f primvars:displayColor = ({x}, 0, 0)") for n, x in (("i", 1), ("j", 2)))
+    )
+    for root in ("/pi/a", "/i"):
+        assert "displayColor" not in primvars_of(delegate.told[f"{root}/way/inherits"])
+        assert "displayColor" in primvars_of(delegate.told[f"{root}/way/own"])
+    assert "displayColor" in primvars_of(delegate.told["/source/way/inherits"])

@@ -300,3 +300,17 @@ def Xform "i" (
 """
     _, diagnostics = looks(DOCUMENT, stage)
     assert [(d.code, d.location) for d in diagnostics] == [("mtlx-reference-unsupported", "/i/looks")]
+
+
+def test_other_references_of_the_prim_stay_stronger(looks):
+    other = """def Scope "overrides" {
+    over "textured" {
+        float inputs:metalness = 0.5
+    }
+}
+"""
+    arcs = "references = [</overrides>, @./m.mtlx@</MaterialX/Materials>]"
+    stage = other + STAGE.replace("references = @./m.mtlx@</MaterialX/Materials>", arcs)
+    stage = stage.replace("            float inputs:metalness = 0.125\n", "")
+    nodes, *_ = networks_of(looks, SURFACE.format('<input name="metalness" type="float" value="0.75"/>', ""), stage)
+    assert nodes["surface"]["parameters"]["metalness"] == 0.5

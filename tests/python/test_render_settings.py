@@ -61,6 +61,7 @@ def read(settings: str = "", product: str = "", variables: str = VAR, time: floa
         ('uniform token[] materialBindingPurposes = [""]', "material_purpose", ""),
         ('uniform token renderingColorSpace = "acescg"', "rendering_space", "acescg"),
         ("uniform bool disableDepthOfField = 1", "disable_depth_of_field", True),
+        ("float pixelAspectRatio.timeSamples = { 1: 1, 2: 3 }", "pixel_aspect_ratio", 3),
         ("custom int wavefront:samples = 5", "settings", {"samples": 5}),
         ("custom int wavefront:samples.timeSamples = { 1: 7, 2: 9 }", "settings", {"samples": 9}),
     ],
@@ -125,7 +126,8 @@ def test_vars_name_aovs(name, aov):
 
 def test_a_var_without_a_source_is_its_own_name_and_doubles_count_once():
     variables = 'def RenderVar "depth" {} def RenderVar "v" { uniform string sourceName = "depth" }'
-    got, _ = read(PRODUCTS, 'token productName = "p.exr"; rel orderedVars = [</depth>, </v>]', variables)
+    got, diagnostics = read(PRODUCTS, 'token productName = "p.exr"; rel orderedVars = [</depth>, </v>]', variables)
+    assert not list(diagnostics)
     assert [(p.path, p.name, p.aovs) for p in got.products] == [("/p", "p.exr", ("depth",))]
 
 

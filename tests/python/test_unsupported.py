@@ -47,10 +47,30 @@ def test_what_is_not_translated_is_said_once(translated, prim, code):
     assert [(d.code, d.location.startswith("/x")) for d in diagnostics] == [(code, True)]
 
 
-def test_curves_are_called_by_what_they_are(translated):
-    _, diagnostics = translated('def BasisCurves "x" {} def GenerativeProcedural "y" {}')
-    words = [d.message.partition(" are ")[0] for d in diagnostics]
-    assert words == ["curves", "procedurals"]
+@pytest.mark.parametrize(
+    ("prim", "words"),
+    [
+        ('def BasisCurves "x" {}', "curves"),
+        ('def NurbsCurves "x" {}', "NURBS curves"),
+        ('def HermiteCurves "x" {}', "Hermite curves"),
+        ('def NurbsPatch "x" {}', "NURBS patches"),
+        ('def Points "x" {}', "points"),
+        ('def TetMesh "x" {}', "tetrahedral meshes"),
+        ('def Volume "x" {}', "volumes"),
+        ('def PortalLight "x" {}', "portal lights"),
+        ('def PluginLight "x" {}', "plug-in lights"),
+        ('def GeometryLight "x" {}', "geometry lights"),
+        ('def ParticleField "x" {}', "particle fields"),
+        ('def ParticleField3DGaussianSplat "x" {}', "Gaussian splats"),
+        ('def GenerativeProcedural "x" {}', "procedurals"),
+        ('def Mesh "x" (prepend apiSchemas = ["MeshLightAPI"]) {}', "mesh lights (MeshLightAPI)"),
+        ('def Cube "x" (prepend apiSchemas = ["VolumeLightAPI"]) {}', "volume lights (VolumeLightAPI)"),
+        ('def Cube "x" (prepend apiSchemas = ["LightAPI"]) {}', "prims made lights (LightAPI)"),
+    ],
+)
+def test_things_are_called_by_what_they_are(translated, prim, words):
+    (diagnostic,) = translated(prim)[1]
+    assert diagnostic.message.startswith(f"{words} are not rendered yet")
 
 
 def test_what_is_not_drawn_anyway_is_not_said(translated):
