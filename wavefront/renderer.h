@@ -23,7 +23,7 @@
 namespace wavefront {
 
 struct DeviceDescription {
-  std::string name, driver, type;  // type: "discrete", "integrated", "cpu", ...
+  std::string name, driver, type;  // type: "discrete GPU", "CPU", ...
   std::string apiVersion;
   uint64_t heapBytes = 0;
   uint32_t subgroupSize = 0;

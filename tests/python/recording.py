@@ -185,8 +185,8 @@ def fake_core(delegates: list[RecordingDelegate]) -> Any:
         ],
         build_facts=lambda: {"version": "0.0.test"},
         list_devices=lambda: [
-            {"name": "A card", "type": "discrete", "usable": True},
-            {"name": "An old processor", "type": "cpu", "usable": False},
-            {"name": "A processor", "type": "cpu", "usable": True},
+            {"name": "A card", "type": "discrete GPU", "usable": True},
+            {"name": "An old processor", "type": "CPU", "usable": False},
+            {"name": "A processor", "type": "CPU", "usable": True},
         ],
     )

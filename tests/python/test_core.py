@@ -267,3 +267,15 @@ def test_doctor_says_that_the_device_asked_for_is_not_there(core, capfd, monkeyp
     monkeypatch.setenv("HDWAVEFRONT_DEVICE", wish)
     assert main(["doctor"]) == 1
     assert f"$HDWAVEFRONT_DEVICE is '{wish}', but no Vulkan device has that index or name" in capfd.readouterr().out
+
+
+def test_disable_gpu_takes_a_processor(core, stage_file, tmp_path, capfd):
+    """By the native module's own words for what a device is."""
+    from hdwavefront.cli.main import main
+
+    types = {device["type"] for device in core.list_devices()}
+    assert types <= {"discrete GPU", "integrated GPU", "virtual GPU", "CPU", "other"}
+    arguments = [stage_file('def Cube "c" {\n}\n'), str(tmp_path / "o.exr"), "-w", "8", "--samples", "1"]
+    code = main(["record", *arguments, "--disableGpu"])
+    _, err = capfd.readouterr()
+    assert (code, err) == (0, "") if "CPU" in types else (code, "no Vulkan driver" in err) == (1, True)

@@ -10,7 +10,7 @@ import pytest
 
 CARD = {
     "name": "A card",
-    "type": "discrete",
+    "type": "discrete GPU",
     "driver": "its driver",
     "apiVersion": "1.3.0",
     "heapBytes": 8 << 30,
@@ -43,7 +43,7 @@ def doctor(recorded, run, monkeypatch, tmp_path):
 def test_all_is_well(doctor):
     code, out = doctor(CARD)
     assert code == 0 and "PROBLEM" not in out and "Everything that renders need is there." in out
-    for words in ("A card (discrete) - usable", "its driver", "1.3.0", "8.0 GiB", "limit:", "0.0.test", "Python:"):
+    for words in ("A card (discrete GPU) - usable", "its driver", "1.3.0", "8.0 GiB", "limit:", "0.0.test", "Python:"):
         assert words in out
     for words in ("OpenUSD:", "OpenColorIO:", "display, view:", "OpenImageIO:", "openexr,"):
         assert words in out

@@ -135,7 +135,7 @@ def test_flags_that_make_no_sense(run, scene, tmp_path, flags, words):
 def test_no_processor_to_render_on_is_said(run, scene, tmp_path, monkeypatch):
     import hdwavefront._core as core
 
-    monkeypatch.setattr(core, "list_devices", lambda: [{"type": "cpu", "usable": False}])
+    monkeypatch.setattr(core, "list_devices", lambda: [{"type": "CPU", "usable": False}])
     code, _, err = run("record", scene, tmp_path / "o.exr", "--disableGpu")
     assert code == 1 and "no Vulkan driver that runs on the processor" in err
 

@@ -26,7 +26,8 @@ Samples: TypeAlias = Any  # Array | Sequence[tuple[float, Array]]
 
 def build_facts() -> dict[str, str]: ...
 def list_devices() -> list[dict[str, Any]]:
-    """name, driver, type, apiVersion, heapBytes, subgroupSize, usable, whyNot, details (list of pairs)."""
+    """name, driver, type ("discrete GPU", "integrated GPU", "virtual GPU", "CPU", "other"), apiVersion, heapBytes,
+    subgroupSize, usable, whyNot, details (list of pairs)."""
 
 def render_settings() -> list[dict[str, Any]]:
     """Every render setting: token, type ("int", "float", "bool"), default, minimum, maximum, doc, flag (CLI name)."""

@@ -282,7 +282,7 @@ class _Converter:
             from pxr import Sdf
 
             file = node_input.getResolvedValueString()
-            path = file if os.path.isabs(file) or "://" in file else os.path.normpath(os.path.join(self._folder, file))
+            path = file if "://" in file else os.path.normpath(os.path.join(self._folder, file))
             usd_input.Set(Sdf.AssetPath(path))
         else:
             value = _usd_value(kind, node_input)

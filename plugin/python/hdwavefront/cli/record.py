@@ -90,7 +90,7 @@ def _device(args: argparse.Namespace) -> str:
     from ..api import core
 
     for index, device in enumerate(core().list_devices()):
-        if device["type"] == "cpu" and device["usable"]:
+        if device["type"] == "CPU" and device["usable"]:
             return str(index)
     raise HdWavefrontError("--disableGpu: there is no Vulkan driver that runs on the processor (mesa-vulkan-drivers).")
 
