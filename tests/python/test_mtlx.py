@@ -314,3 +314,10 @@ def test_other_references_of_the_prim_stay_stronger(looks):
     stage = stage.replace("            float inputs:metalness = 0.125\n", "")
     nodes, *_ = networks_of(looks, SURFACE.format('<input name="metalness" type="float" value="0.75"/>', ""), stage)
     assert nodes["surface"]["parameters"]["metalness"] == 0.5
+
+
+def test_files_that_a_resolver_finds_keep_their_names(looks):
+    image = '<image name="i" type="color3"><input name="file" type="filename" value="store://a/b.png"/></image>'
+    use = '<input name="base_color" type="color3" nodename="i"/>'
+    nodes, *_ = networks_of(looks, image + SURFACE.format(use, ""))
+    assert nodes["i"]["parameters"]["file"]["authored"] == "store://a/b.png"

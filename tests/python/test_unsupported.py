@@ -127,3 +127,12 @@ def test_visibility_of_purposes_is_said(translated, purpose, value, expected):
         f'def Xform "x" (prepend apiSchemas = ["VisibilityAPI"]) {{ uniform token {purpose}Visibility = "{value}" }}'
     )
     assert said(diagnostics) == ([("purpose-visibility-unsupported", "/x")] if expected else [])
+
+
+def test_drawable_types_that_nobody_foresaw_are_said(translated, monkeypatch):
+    """A plug-in's schema, say: whatever has an extent in the world."""
+    from hdwavefront.stage_adapters.unsupported import UNSUPPORTED
+
+    monkeypatch.delitem(UNSUPPORTED, "Volume")
+    (diagnostic,) = translated('def Volume "x" {}')[1]
+    assert diagnostic.code == "prim-unsupported" and diagnostic.message.startswith("prims of type Volume are not")
