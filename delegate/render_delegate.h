@@ -17,6 +17,7 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -111,6 +112,10 @@ class RenderDelegate {
   // Of a token, "primvars:<name>" included, in the render pass as it is set; nothing: unknown, or not asked for by name.
   std::optional<wavefront::Aov> FindAov(const std::string& token) const;
   wavefront::Result<wavefront::AovImage> Map(wavefront::Aov aov) { return renderer_->Map(aov); }
+  // Several of one moment, for one wait.
+  wavefront::Result<std::vector<wavefront::AovImage>> Map(std::span<const wavefront::Aov> aovs) {
+    return renderer_->Map(aovs);
+  }
   wavefront::Result<wavefront::RawFilm> ReadFilm() { return renderer_->ReadFilm(); }
   wavefront::RenderStats stats() const { return renderer_->stats(); }
   DelegateCounters counters() const;

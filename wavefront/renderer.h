@@ -147,6 +147,8 @@ class Renderer {
   virtual Progress progress() const = 0;
   virtual bool IsConverged() const = 0;
   virtual Result<AovImage> Map(Aov aov) = 0;              // what is there now, also while rendering
+  // Several of one moment, in the order asked, for one wait.
+  virtual Result<std::vector<AovImage>> Map(std::span<const Aov> aovs) = 0;
   virtual Result<RawFilm> ReadFilm() = 0;
   virtual RenderStats stats() const = 0;
 

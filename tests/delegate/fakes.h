@@ -112,6 +112,9 @@ class FakeRenderer : public wavefront::Renderer {
   wavefront::Progress progress() const override { return {}; }
   bool IsConverged() const override { return true; }
   wavefront::Result<wavefront::AovImage> Map(wavefront::Aov) override { return wavefront::Error{"no image"}; }
+  wavefront::Result<std::vector<wavefront::AovImage>> Map(std::span<const wavefront::Aov>) override {
+    return wavefront::Error{"no image"};
+  }
   wavefront::Result<wavefront::RawFilm> ReadFilm() override { return wavefront::Error{"no film"}; }
   wavefront::RenderStats stats() const override { return {}; }
   wavefront::Status RunColorKernel(std::span<const uint32_t> spirv, const std::vector<ColorLut>& luts,

@@ -69,6 +69,7 @@ Status PathTracer::Configure(const RenderSettings& settings, const CameraData& c
   if (Status s = Drain(); !s) return s;
   settings_ = settings;
   camera_ = camera;
+  status_ = before_ = {};  // a paused host may ask before the first step
   facts_ = scene.facts();
   film_ = MakeFilmLayout(settings.aovs);
 

@@ -226,8 +226,6 @@ Status RendererImpl::RenderUntilStopped() {
       stateChanged_.wait(lock, [this] { return !paused_ || stopRequested_; });
       if (stopRequested_) break;
     }
-    // Let a mapping thread in: a mutex alone would starve it.
-    while (deviceWaiters_.load() != 0) std::this_thread::yield();
     std::lock_guard device(deviceMutex_);
     if (!bandBegun_) {
       if (settings_.samples == 0) {
@@ -345,24 +343,21 @@ RenderStats RendererImpl::stats() const {
   return s;
 }
 
-namespace {
-// Announces a thread that wants the device between two steps of the loop.
-class DeviceTurn {
- public:
-  DeviceTurn(std::mutex& mutex, std::atomic<int>& waiters) : waiters_(waiters), lock_(mutex, std::defer_lock) {
-    ++waiters_;
-    lock_.lock();
-    --waiters_;
-  }
-
- private:
-  std::atomic<int>& waiters_;
-  std::unique_lock<std::mutex> lock_;
-};
-}  // namespace
-
 Result<AovImage> RendererImpl::Map(Aov aov) {
-  DeviceTurn turn(deviceMutex_, deviceWaiters_);
+  std::lock_guard turn(deviceMutex_);
+  return MapLocked(aov);
+}
+Result<std::vector<AovImage>> RendererImpl::Map(std::span<const Aov> aovs) {
+  std::lock_guard turn(deviceMutex_);
+  std::vector<AovImage> images;
+  for (Aov aov : aovs) {
+    auto image = MapLocked(aov);
+    if (!image) return image.error();
+    images.push_back(std::move(image).value());
+  }
+  return images;
+}
+Result<AovImage> RendererImpl::MapLocked(Aov aov) {
   if (!configured_) return Error{"nothing was committed yet"};
   if (tracer_->film().of(aov) == layout::kNoChannel) return Error{"the AOV " + std::string(Aovs()[static_cast<uint32_t>(aov)].token) + " was not asked for"};
   // Bands not rendered yet show the clear value; finished ones come from their sums.
@@ -390,7 +385,7 @@ Result<AovImage> RendererImpl::Map(Aov aov) {
 }
 
 Result<RawFilm> RendererImpl::ReadFilm() {
-  DeviceTurn turn(deviceMutex_, deviceWaiters_);
+  std::lock_guard turn(deviceMutex_);
   if (!configured_) return Error{"nothing was committed yet"};
   RawFilm film = film_;
   film.width = settings_.width;
@@ -408,7 +403,7 @@ Result<RawFilm> RendererImpl::ReadFilm() {
 }
 
 Status RendererImpl::RunColorKernel(std::span<const uint32_t> spirv, const std::vector<ColorLut>& luts, std::span<float> rgba, uint32_t width, uint32_t height) {
-  DeviceTurn turn(deviceMutex_, deviceWaiters_);
+  std::lock_guard turn(deviceMutex_);
   return RunColor(*device_, spirv, luts, rgba, width, height);
 }
 

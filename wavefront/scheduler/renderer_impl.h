@@ -3,12 +3,12 @@
 // The facade's implementation: stores, one path tracer, one render thread.
 #pragma once
 
-#include <atomic>
 #include <chrono>
 #include <condition_variable>
 #include <mutex>
 #include <thread>
 
+#include "wavefront/base/fair_mutex.h"
 #include "wavefront/renderer.h"
 #include "wavefront/scene/scene_commit.h"
 #include "wavefront/scheduler/path_tracer.h"
@@ -52,6 +52,7 @@ class RendererImpl final : public Renderer {
   Progress progress() const override;
   bool IsConverged() const override;
   Result<AovImage> Map(Aov aov) override;
+  Result<std::vector<AovImage>> Map(std::span<const Aov> aovs) override;
   Result<RawFilm> ReadFilm() override;
   RenderStats stats() const override;
   Status RunColorKernel(std::span<const uint32_t> spirv, const std::vector<ColorLut>& luts, std::span<float> rgba, uint32_t width, uint32_t height) override;
@@ -63,6 +64,7 @@ class RendererImpl final : public Renderer {
   Status RenderUntilStopped();
   void Publish();
   void ReportErrorFlags();
+  Result<AovImage> MapLocked(Aov aov);  // with the device mutex held
   double SecondsLocked() const;
 
   RendererOptions options_;
@@ -76,8 +78,7 @@ class RendererImpl final : public Renderer {
   bool settingsDirty_ = true, cameraDirty_ = true;
 
   // Guards the tracer: held by the render thread for each step, by a mapping thread between steps.
-  std::mutex deviceMutex_;
-  std::atomic<int> deviceWaiters_{0};
+  FairMutex deviceMutex_;
   RenderSettings settings_;
   CameraData camera_;
   RawFilm film_;                    // finished bands

@@ -191,6 +191,44 @@ TEST(Scheduler, FourBodiesInsideEachOtherAndNoMore) {
   EXPECT_NEAR(MeanColor(five, 1), MeanColor(four, 1), 1e-6);
 }
 
+TEST(Scheduler, ImagesMappedTogetherAreOfOneMoment) {
+  World world;
+  world.AddMixedScene();
+  world.settings.samples = 64;
+  world.settings.poolSize = 1024;
+  world.settings.interactive = true;
+  world.settings.aovs = {Aov::Depth};
+  ASSERT_TRUE(world.Commit().ok());
+  ASSERT_TRUE(world.renderer->Start().ok());
+  const std::array<Aov, 2> twice{Aov::SampleCount, Aov::SampleCount};
+  uint64_t moving = 0;
+  std::vector<uint32_t> last;
+  // A host that does nothing but map: it neither keeps the render from going on, nor waits for its end.
+  while (!world.renderer->IsConverged() && world.renderer->progress().seconds < 100) {
+    auto images = world.renderer->Map(twice);
+    ASSERT_TRUE(images.ok());
+    ASSERT_EQ(images.value()[0].bits, images.value()[1].bits);
+    moving += images.value()[0].bits != last;
+    last = images.value()[0].bits;
+  }
+  EXPECT_GT(moving, 4u);
+  ASSERT_TRUE(world.renderer->IsConverged());
+  const std::array<Aov, 2> both{Aov::Depth, Aov::Color};
+  auto images = world.renderer->Map(both);
+  ASSERT_TRUE(images.ok());
+  for (std::size_t i = 0; i < 2; ++i) {
+    EXPECT_EQ(images.value()[i].aov, both[i]);
+    EXPECT_EQ(images.value()[i].bits, world.renderer->Map(both[i]).value().bits);
+  }
+  // A restart that does not go on at once shows no progress of the film before.
+  world.settings.seed = 3;
+  ASSERT_TRUE(world.Commit().ok());
+  EXPECT_EQ(world.renderer->progress().samplesDone, 0u);
+  EXPECT_EQ(world.renderer->stats().paths, 0u);
+  const std::array<Aov, 2> missing{Aov::Color, Aov::InstanceId};
+  EXPECT_FALSE(world.renderer->Map(missing).ok()) << "was not asked for";
+}
+
 TEST(Scheduler, InteractiveSubmitsOneIterationAtATimeAndChangesNothing) {
   World world;
   world.AddMixedScene();
