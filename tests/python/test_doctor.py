@@ -95,3 +95,44 @@ def test_no_usd(doctor, monkeypatch):
     monkeypatch.setitem(sys.modules, "pxr", None)
     code, out = doctor(CARD)
     assert code == 1 and "pip install 'hdwavefront[usd]'" in out
+
+
+def make_plugin(folder, openusd="25.02"):
+    folder.mkdir(parents=True)
+    (folder / "plugInfo.json").write_text('{"Plugins": [{"Info": {"Types": {"HdWavefrontRendererPlugin": {}}}}]}')
+    (folder / "build.json").write_text(f'{{"openusd": "{openusd}"}}')
+    return str(folder)
+
+
+def test_the_hydra_plugin_is_found_where_the_environment_says(doctor, monkeypatch, tmp_path):
+    other = tmp_path / "other"
+    other.mkdir()
+    (other / "plugInfo.json").write_text('{"Plugins": []}')
+    monkeypatch.delenv("HDWAVEFRONT_HYDRA", raising=False)
+    monkeypatch.setenv("PXR_PLUGINPATH_NAME", f"{other}:{make_plugin(tmp_path / 'listed')}")
+    code, out = doctor(CARD)
+    assert code == 0 and str(tmp_path / "listed") in out and "25.02" in out
+    assert "this pxr has no imaging" in out  # usd-core
+    monkeypatch.setenv("HDWAVEFRONT_HYDRA", make_plugin(tmp_path / "named", "24.11"))
+    code, out = doctor(CARD)
+    assert code == 0 and str(tmp_path / "named") in out and "24.11" in out
+
+
+@pytest.mark.parametrize(("reason", "expected"), [(None, 0), ("undefined symbol: x", 1)])
+def test_whether_the_hydra_plugin_loads(doctor, monkeypatch, tmp_path, reason, expected):
+    import hdwavefront.cli.hydra_plugin as hydra_plugin
+
+    monkeypatch.setenv("HDWAVEFRONT_HYDRA", make_plugin(tmp_path / "plugin"))
+    monkeypatch.setattr(hydra_plugin, "why_not_loaded", lambda plugin: reason)
+    code, out = doctor(CARD)
+    assert code == expected
+    assert ("loads:                 yes" in out) == (reason is None)
+    assert ("does not load: undefined symbol: x" in out) == (reason is not None)
+
+
+def test_no_hydra_plugin_is_no_problem(doctor, monkeypatch, tmp_path):
+    import hdwavefront.cli.hydra_plugin as hydra_plugin
+
+    monkeypatch.setattr(hydra_plugin, "_candidates", lambda: iter(("", str(tmp_path / "nowhere"))))
+    code, out = doctor(CARD)
+    assert code == 0 and "no plugin is found (configure with -Dpxr_DIR" in out

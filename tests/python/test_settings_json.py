@@ -8,7 +8,6 @@ import subprocess
 from pathlib import Path
 
 import pytest
-
 from hdwavefront import _core
 
 SCRIPT = Path(__file__).resolve().parents[2] / "plugin/hydra/blender/settings_json.cmake"

@@ -2,9 +2,10 @@
 # Copyright the hdWavefront authors
 """Blender add-on: renders with the Hydra plugin hdWavefront, in the viewport and to files.
 
-Needs Blender 4.2 or later and an hdWavefront that was built for the OpenUSD inside of it. The plugin is found through the
-add-on's preference or the environment variable HDWAVEFRONT_HYDRA, which name the folder of plugInfo.json, else beside this
-file, as it is installed. The render settings are those of the plugin's settings.json: none of them is spelled here.
+Needs Blender 4.2 or later and an hdWavefront that was built for the OpenUSD inside of it. The plugin is found through
+the add-on's preference or the environment variable HDWAVEFRONT_HYDRA, which name the folder of plugInfo.json, else
+beside this file, as it is installed. The render settings are those of the plugin's settings.json: none of them is
+spelled here.
 """
 
 from __future__ import annotations

@@ -44,6 +44,7 @@ def doctor() -> int:
     report.section("hdWavefront", lambda: _build(report))
     report.section("Devices", lambda: _devices(report))
     report.section("USD", lambda: _usd(report))
+    report.section("Hydra plugin", lambda: _hydra(report))
     report.section("Colour", lambda: _color(report))
     report.section("Images", lambda: _images(report))
     print()
@@ -116,6 +117,27 @@ def _usd(report: _Report) -> None:
         report.line(
             "UsdMtlx", "no (references to .mtlx files are converted by the materialx package where it is installed)"
         )
+
+
+def _hydra(report: _Report) -> None:
+    """Its absence is no problem: this host does not need it."""
+    from .hydra_plugin import HOW_TO_BUILD, find_hydra_plugin, why_not_loaded
+
+    plugin = find_hydra_plugin()
+    if plugin is None:
+        report.line("built", f"no plugin is found ({HOW_TO_BUILD})")
+        return
+    report.line("built", plugin.folder)
+    report.line("for OpenUSD", plugin.openusd or "not known")
+    try:
+        reason = why_not_loaded(plugin)
+    except ImportError:
+        report.line("loads", "not checked: this pxr has no imaging; run doctor in the Python of that OpenUSD")
+        return
+    if reason is None:
+        report.line("loads", "yes")
+    else:
+        report.problem(f"the Hydra plugin does not load: {reason}")
 
 
 def _color(report: _Report) -> None:
