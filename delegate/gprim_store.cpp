@@ -74,7 +74,7 @@ bool GprimStore::SyncCommon(Gprim& g, GprimUpdate& update) {
   return g.isMesh ? primvars || sides : sides;
 }
 
-void GprimStore::Sync(const std::string& path, MeshUpdate update) {
+bool GprimStore::Sync(const std::string& path, MeshUpdate update) {
   Gprim& g = FindOrCreate(path, true);
   bool geometry = SyncCommon(g, update);
   geometry |= Take(g.input.topology, update.topology);
@@ -82,14 +82,16 @@ void GprimStore::Sync(const std::string& path, MeshUpdate update) {
   geometry |= Take(g.input.refineLevel, update.refineLevel);
   if (geometry) g.geometryDirty = true;
   if (Take(g.subsetMaterials, update.subsetMaterials)) g.instancesDirty = true;
+  return g.geometryDirty || g.instancesDirty;
 }
 
-void GprimStore::Sync(const std::string& path, ImplicitUpdate update) {
+bool GprimStore::Sync(const std::string& path, ImplicitUpdate update) {
   Gprim& g = FindOrCreate(path, false);
   bool geometry = SyncCommon(g, update);
   geometry |= Take(g.shape, update.shape);
   g.shape.path = path;
   if (geometry) g.geometryDirty = true;
+  return g.geometryDirty || g.instancesDirty;
 }
 
 void GprimStore::Destroy(const std::string& path) {

@@ -26,8 +26,9 @@ class GprimStore {
              wavefront::DiagnosticSink sink, unsigned threads);
 
   void Create(const std::string& path, bool isMesh);
-  void Sync(const std::string& path, MeshUpdate update);
-  void Sync(const std::string& path, ImplicitUpdate update);
+  // True: there is something to commit.
+  bool Sync(const std::string& path, MeshUpdate update);
+  bool Sync(const std::string& path, ImplicitUpdate update);
   void Destroy(const std::string& path);
 
   struct What {

@@ -43,7 +43,7 @@ InstancerStore::Instancer& InstancerStore::FindOrCreate(const std::string& path)
 
 void InstancerStore::Create(const std::string& path) { FindOrCreate(path); }
 
-void InstancerStore::Sync(const std::string& path, InstancerUpdate update) {
+bool InstancerStore::Sync(const std::string& path, InstancerUpdate update) {
   Instancer& instancer = FindOrCreate(path);
   InstancerState& s = instancer.state;
   bool changed = Take(s.transforms, update.transforms);
@@ -60,9 +60,10 @@ void InstancerStore::Sync(const std::string& path, InstancerUpdate update) {
   changed |= Take(s.visible, update.visible);
   changed |= Take(s.parent, update.parent);
   changed |= Take(s.parentPrototype, update.parentPrototype);
-  if (!changed) return;
+  if (!changed) return false;
   std::lock_guard lock(mutex_);
   instancer.version = ++version_;
+  return true;
 }
 
 void InstancerStore::Destroy(const std::string& path) {

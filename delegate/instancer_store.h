@@ -21,7 +21,7 @@ class InstancerStore {
   InstancerStore(wavefront::DiagnosticSink sink, unsigned threads);
 
   void Create(const std::string& path);
-  void Sync(const std::string& path, InstancerUpdate update);
+  bool Sync(const std::string& path, InstancerUpdate update);  // true: something changed
   void Destroy(const std::string& path);
 
   // Changes when anything in the chain above a prim changes. 0: no instancer.

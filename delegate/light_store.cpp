@@ -22,7 +22,7 @@ LightStore::Light& LightStore::FindOrCreate(const std::string& path) {
 
 void LightStore::Create(const std::string& path, const std::string& type) { FindOrCreate(path).params.type = type; }
 
-void LightStore::Sync(const std::string& path, LightUpdate update) {
+bool LightStore::Sync(const std::string& path, LightUpdate update) {
   Light& light = FindOrCreate(path);
   if (update.params && !Same(light.params.texture, update.params->texture)) light.textureDirty = true;
   bool changed = Take(light.params, update.params);
@@ -32,6 +32,7 @@ void LightStore::Sync(const std::string& path, LightUpdate update) {
   changed |= Take(light.instancer, update.instancer);
   changed |= Take(light.prototype, update.prototype);
   if (changed) light.dirty = true;
+  return light.dirty || light.textureDirty;
 }
 
 void LightStore::Destroy(const std::string& path) {

@@ -24,7 +24,7 @@ class LightStore {
              wavefront::DiagnosticSink sink, unsigned threads);
 
   void Create(const std::string& path, const std::string& type);
-  void Sync(const std::string& path, LightUpdate update);
+  bool Sync(const std::string& path, LightUpdate update);  // true: there is something to commit
   void Destroy(const std::string& path);
 
   void AcquireTextures();  // of lights whose image changed

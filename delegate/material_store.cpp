@@ -56,11 +56,13 @@ MaterialStore::Material& MaterialStore::FindOrCreate(const std::string& path) {
 
 void MaterialStore::Create(const std::string& path) { FindOrCreate(path); }
 
-void MaterialStore::Sync(const std::string& path, MaterialUpdate update) {
+bool MaterialStore::Sync(const std::string& path, MaterialUpdate update) {
   Material& material = FindOrCreate(path);
-  if (Same(material.update, update)) return;
-  material.update = std::move(update);
-  material.dirty = true;
+  if (!Same(material.update, update)) {
+    material.update = std::move(update);
+    material.dirty = true;
+  }
+  return material.dirty || material.stale;
 }
 
 void MaterialStore::Destroy(const std::string& path) {

@@ -23,7 +23,7 @@ class MaterialStore {
                 wavefront::DiagnosticSink sink, unsigned threads);
 
   void Create(const std::string& path);
-  void Sync(const std::string& path, MaterialUpdate update);
+  bool Sync(const std::string& path, MaterialUpdate update);  // true: there is something to commit
   void Destroy(const std::string& path);
 
   // Networks of dirty materials become kernels' sources and values, in parallel; their textures are asked for.

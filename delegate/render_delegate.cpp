@@ -57,6 +57,7 @@ struct RenderDelegate::Impl {
   std::string camera;
   uint32_t width = 0, height = 0;
   double pixelAspectRatio = 1;
+  DataWindow dataWindow;
   ConformPolicy windowPolicy = ConformPolicy::Fit;
   std::set<std::string> renderTags{"geometry", "render"};
   std::vector<wavefront::Aov> aovs{wavefront::Aov::Color};
@@ -133,23 +134,29 @@ wavefront::Status RenderDelegate::CreateSprim(const std::string& type, const std
 
 void RenderDelegate::CreateInstancer(const std::string& path) { impl_->instancers.Create(path); }
 
-void RenderDelegate::Sync(const std::string& path, MeshUpdate update) { impl_->gprims.Sync(path, std::move(update)); }
-void RenderDelegate::Sync(const std::string& path, ImplicitUpdate update) {
-  impl_->gprims.Sync(path, std::move(update));
+bool RenderDelegate::Sync(const std::string& path, MeshUpdate update) {
+  return impl_->gprims.Sync(path, std::move(update));
 }
-void RenderDelegate::Sync(const std::string& path, InstancerUpdate update) {
-  impl_->instancers.Sync(path, std::move(update));
+bool RenderDelegate::Sync(const std::string& path, ImplicitUpdate update) {
+  return impl_->gprims.Sync(path, std::move(update));
 }
-void RenderDelegate::Sync(const std::string& path, LightUpdate update) { impl_->lights.Sync(path, std::move(update)); }
-void RenderDelegate::Sync(const std::string& path, MaterialUpdate update) {
-  impl_->materials.Sync(path, std::move(update));
+bool RenderDelegate::Sync(const std::string& path, InstancerUpdate update) {
+  return impl_->instancers.Sync(path, std::move(update));
+}
+bool RenderDelegate::Sync(const std::string& path, LightUpdate update) {
+  return impl_->lights.Sync(path, std::move(update));
+}
+bool RenderDelegate::Sync(const std::string& path, MaterialUpdate update) {
+  return impl_->materials.Sync(path, std::move(update));
 }
 
-void RenderDelegate::Sync(const std::string& path, CameraUpdate update) {
+bool RenderDelegate::Sync(const std::string& path, CameraUpdate update) {
   std::lock_guard lock(impl_->mutex);
-  Impl::Camera& camera = impl_->cameras[path];
-  if (update.params) camera.params = *update.params;
-  if (update.transforms && !update.transforms->empty()) camera.transforms = std::move(*update.transforms);
+  const auto [found, isNew] = impl_->cameras.try_emplace(path);
+  if (update.transforms && update.transforms->empty()) update.transforms.reset();
+  bool changed = Take(found->second.params, update.params);
+  changed |= Take(found->second.transforms, update.transforms);
+  return changed || isNew;
 }
 
 void RenderDelegate::DestroyRprim(const std::string& path) { impl_->gprims.Destroy(path); }
@@ -185,11 +192,14 @@ wavefront::Status RenderDelegate::SetRenderPass(const RenderPassUpdate& update) 
                               std::to_string(update.height.value_or(0)) + "."};
   if (update.pixelAspectRatio && !(*update.pixelAspectRatio > 1e-6 && *update.pixelAspectRatio < 1e6))
     return wavefront::Error{"The pixel aspect ratio " + std::to_string(*update.pixelAspectRatio) + " makes no sense."};
+  if (const auto& part = update.dataWindow; part && !(part->right > part->left && part->top > part->bottom))
+    return wavefront::Error{"The data window has no area."};
   std::lock_guard lock(impl_->mutex);
   if (update.camera) impl_->camera = *update.camera;
   if (update.width) impl_->width = *update.width;
   if (update.height) impl_->height = *update.height;
   if (update.pixelAspectRatio) impl_->pixelAspectRatio = *update.pixelAspectRatio;
+  if (update.dataWindow) impl_->dataWindow = *update.dataWindow;
   if (update.windowPolicy) impl_->windowPolicy = *update.windowPolicy;
   if (update.renderTags) {
     impl_->renderTags.clear();
@@ -232,9 +242,12 @@ wavefront::Status RenderDelegate::CommitResources() {
     if (camera == impl.cameras.end())
       return wavefront::Error{impl.camera.empty() ? "No camera is set."
                                                   : "The camera \"" + impl.camera + "\" does not exist."};
-    const double aspect = double{1} * impl.width / impl.height * impl.pixelAspectRatio;
-    const wavefront::CameraData data = ConvertCamera(camera->first, camera->second.params, camera->second.transforms,
-                                                     aspect, impl.windowPolicy, impl.sink);
+    const DataWindow& part = impl.dataWindow;
+    const double aspect = (impl.width / (part.right - part.left)) / (impl.height / (part.top - part.bottom)) *
+                          impl.pixelAspectRatio;
+    wavefront::CameraData data = ConvertCamera(camera->first, camera->second.params, camera->second.transforms, aspect,
+                                               impl.windowPolicy, impl.sink);
+    CropWindow(part, data);
     if (!impl.sentCamera || !Same(*impl.sentCamera, data)) {
       renderer_->SetCamera(data);
       impl.sentCamera = data;

@@ -46,6 +46,7 @@ struct RenderPassUpdate {
   std::optional<std::string> camera;                  // path
   std::optional<uint32_t> width, height;
   std::optional<double> pixelAspectRatio;
+  std::optional<DataWindow> dataWindow;               // the part that is rendered; width and height are its pixels
   std::optional<ConformPolicy> windowPolicy;          // default Fit (UsdRender's expandAperture)
   std::optional<std::vector<std::string>> renderTags; // default: geometry and render;
                                                       // "" counts as "geometry"; none at all: every tag
@@ -77,12 +78,13 @@ class RenderDelegate {
   wavefront::Status CreateRprim(const std::string& type, const std::string& path);
   wavefront::Status CreateSprim(const std::string& type, const std::string& path);
   void CreateInstancer(const std::string& path);
-  void Sync(const std::string& path, MeshUpdate update);
-  void Sync(const std::string& path, ImplicitUpdate update);
-  void Sync(const std::string& path, InstancerUpdate update);
-  void Sync(const std::string& path, LightUpdate update);
-  void Sync(const std::string& path, CameraUpdate update);
-  void Sync(const std::string& path, MaterialUpdate update);
+  // True: there is something to commit. False: nothing of it differs from what was committed.
+  bool Sync(const std::string& path, MeshUpdate update);
+  bool Sync(const std::string& path, ImplicitUpdate update);
+  bool Sync(const std::string& path, InstancerUpdate update);
+  bool Sync(const std::string& path, LightUpdate update);
+  bool Sync(const std::string& path, CameraUpdate update);
+  bool Sync(const std::string& path, MaterialUpdate update);
   void DestroyRprim(const std::string& path);       // unknown paths are nothing to do
   void DestroySprim(const std::string& path);       // light, camera and material of that path
   void DestroyInstancer(const std::string& path);

@@ -130,6 +130,15 @@ wavefront::CameraData ConvertCamera(const std::string& path, const CameraParams&
   return camera;
 }
 
+void CropWindow(const DataWindow& part, wavefront::CameraData& camera) {
+  if (part == DataWindow()) return;
+  const double l = camera.left, r = camera.right, b = camera.bottom, t = camera.top;
+  camera.left = static_cast<float>(l + (r - l) * part.left);
+  camera.right = static_cast<float>(l + (r - l) * part.right);
+  camera.bottom = static_cast<float>(b + (t - b) * part.bottom);
+  camera.top = static_cast<float>(b + (t - b) * part.top);
+}
+
 CameraMatrices MatricesOf(const wavefront::CameraData& camera) {
   CameraMatrices result;
   if (!camera.transforms.empty()) result.worldToCamera = Inverse(camera.transforms.front().value);

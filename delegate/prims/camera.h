@@ -42,6 +42,14 @@ wavefront::CameraData ConvertCamera(const std::string& path, const CameraParams&
                                     const TimeSamples<wavefront::Matrix4d>& transforms, double imageAspect,
                                     ConformPolicy policy, const wavefront::DiagnosticSink& sink);
 
+// A part of the picture in fractions of its width and height, y up; it may reach beyond (overscan).
+struct DataWindow {
+  double left = 0, right = 1, bottom = 0, top = 1;
+  bool operator==(const DataWindow&) const = default;
+};
+// The camera that sees that part alone.
+void CropWindow(const DataWindow& part, wavefront::CameraData& camera);
+
 // World to camera, and world to clip space (x, y, z in [-1, 1] after division by w); row vectors.
 struct CameraMatrices {
   wavefront::Matrix4d worldToCamera, worldToNdc;

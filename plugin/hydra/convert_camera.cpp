@@ -6,6 +6,7 @@
 #include <pxr/base/gf/range1f.h>
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 
 #include "plugin/hydra/convert_value.h"
@@ -13,9 +14,23 @@
 namespace hydra {
 namespace {
 
-// The float that became `scaled` by multiplication with the aperture unit. Where no float did (a host that computes in
-// scene units), the nearest one.
-float Authored(float scaled) { return static_cast<float>(double{scaled} / GfCamera::APERTURE_UNIT); }
+size_t Digits(float value) {
+  char text[64];
+  return static_cast<size_t>(std::to_chars(text, text + sizeof(text), value).ptr - text);
+}
+
+// The float that became `scaled` by multiplication with the aperture unit. Two or three neighbours may have: authored
+// numbers are those with few digits. Where none did (a host that computes in scene units), the nearest one.
+float Authored(float scaled) {
+  const auto nearest = static_cast<float>(double{scaled} / GfCamera::APERTURE_UNIT);
+  float best = nearest;
+  for (const float direction : {-INFINITY, INFINITY}) {
+    const float other = std::nextafter(nearest, direction);
+    const bool fits = static_cast<float>(double{other} * GfCamera::APERTURE_UNIT) == scaled;
+    if (fits && Digits(other) < Digits(best)) best = other;
+  }
+  return best;
+}
 
 }  // namespace
 
@@ -97,10 +112,10 @@ PassFraming ToPassFraming(const CameraUtilFraming& framing, const GfVec4f& viewp
   const double width = display.GetMax()[0] - left, height = display.GetMax()[1] - upper;
   if (!(width > 0) || !(height > 0)) return result;
   // Framing counts rows from the top.
-  result.left = (data.GetMinX() - left) / width;
-  result.right = (data.GetMinX() + data.GetWidth() - left) / width;
-  result.top = 1 - (data.GetMinY() - upper) / height;
-  result.bottom = 1 - (data.GetMinY() + data.GetHeight() - upper) / height;
+  result.part.left = (data.GetMinX() - left) / width;
+  result.part.right = (data.GetMinX() + data.GetWidth() - left) / width;
+  result.part.top = 1 - (data.GetMinY() - upper) / height;
+  result.part.bottom = 1 - (data.GetMinY() + data.GetHeight() - upper) / height;
   return result;
 }
 

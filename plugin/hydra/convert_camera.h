@@ -29,8 +29,7 @@ delegate::ConformPolicy ToConformPolicy(CameraUtilConformWindowPolicy policy);
 struct PassFraming {
   uint32_t width = 0, height = 0;  // of the data window
   double pixelAspectRatio = 1;
-  // Where the data window lies in the display window, in fractions of the latter, y up; the whole: 0, 1, 0, 1.
-  double left = 0, right = 1, bottom = 0, top = 1;
+  delegate::DataWindow part;       // where the data window lies in the display window
   int x = 0, y = 0;                // the data window's left column and upper row
   bool operator==(const PassFraming&) const = default;
 };

@@ -69,7 +69,9 @@ VtValue ClearValue(const wavefront::AovInfo& info) {
 }  // namespace
 
 HdAovDescriptor ToAovDescriptor(const TfToken& name) {
-  const wavefront::AovInfo* info = wavefront::FindAov(name.GetString());
+  const bool isPrimvar = HdParsedAovToken(name).isPrimvar;
+  const wavefront::AovInfo* info = isPrimvar ? &wavefront::Aovs()[static_cast<size_t>(wavefront::Aov::Primvar0)]
+                                             : wavefront::FindAov(name.GetString());
   if (!info) return {};
   return HdAovDescriptor(ToFormat(*info), /*multiSampled=*/false, ClearValue(*info));
 }

@@ -17,7 +17,7 @@
 
 namespace hydra {
 
-// Invalid for what is not rendered: nothing is claimed that is not filled.
+// Invalid for what is not rendered: nothing is claimed that is not filled. "primvars:<name>" is any primvar.
 HdAovDescriptor ToAovDescriptor(const TfToken& name);
 
 // A buffer of the format, every pixel the clear value (numbers of any type; missing channels are 0).

@@ -31,10 +31,9 @@ void RenderBuffer::_Deallocate() {
   complete_ = false;
 }
 
-void RenderBuffer::Show(wavefront::Aov aov, const VtValue& clearValue, int x, int y) {
+void RenderBuffer::Show(std::optional<wavefront::Aov> aov, const VtValue& clearValue, int x, int y) {
   std::lock_guard lock(mutex_);
-  if (shows_ && aov_ == aov && x_ == x && y_ == y && clearValue_ == clearValue) return;
-  shows_ = true;
+  if (aov_ == aov && x_ == x && y_ == y && clearValue_ == clearValue) return;
   aov_ = aov;
   x_ = x;
   y_ = y;
@@ -43,21 +42,14 @@ void RenderBuffer::Show(wavefront::Aov aov, const VtValue& clearValue, int x, in
   pixels_ = ClearedPixels(width_, height_, format_, clearValue_);
 }
 
-void RenderBuffer::ShowNothing(const VtValue& clearValue) {
-  std::lock_guard lock(mutex_);
-  shows_ = false;
-  clearValue_ = clearValue;
-  pixels_ = ClearedPixels(width_, height_, format_, clearValue_);
-}
-
 void RenderBuffer::Fetch() {
-  if (!shows_ || pixels_.empty()) return;
+  if (!aov_ || pixels_.empty()) return;
   delegate::RenderDelegate& core = param_->core();
   // In this order: what is there after convergence was seen is the whole picture.
   const uint64_t version = core.version();
   const bool converged = core.IsConverged();
   if (complete_ && fetchedVersion_ == version) return;
-  const auto image = core.Map(aov_);
+  const auto image = core.Map(*aov_);
   if (!image) return;  // nothing was rendered yet
   CopyImage(image.value(), x_, y_, width_, height_, format_, pixels_);
   fetchedVersion_ = version;

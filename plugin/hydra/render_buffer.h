@@ -5,6 +5,7 @@
 #include <atomic>
 #include <cstdint>
 #include <mutex>
+#include <optional>
 #include <vector>
 
 #include <pxr/imaging/hd/renderBuffer.h>
@@ -35,11 +36,9 @@ class RenderBuffer final : public HdRenderBuffer {
   void Resolve() override;
   bool IsConverged() const override;
 
-  // What this buffer shows from now on, and where: the data window's left column and upper row. Called by the render
-  // pass. Equal calls keep what was fetched.
-  void Show(wavefront::Aov aov, const VtValue& clearValue, int x, int y);
-  // Shows the clear value: an AOV that the core does not have.
-  void ShowNothing(const VtValue& clearValue);
+  // What this buffer shows from now on, and where: the data window's left column and upper row. Nothing: the clear
+  // value alone. Called by the render pass; equal calls keep what was fetched.
+  void Show(std::optional<wavefront::Aov> aov, const VtValue& clearValue, int x, int y);
 
  protected:
   void _Deallocate() override;
@@ -53,9 +52,9 @@ class RenderBuffer final : public HdRenderBuffer {
   unsigned int width_ = 0, height_ = 0;
   HdFormat format_ = HdFormatInvalid;
   std::vector<uint8_t> pixels_;
-  bool shows_ = false, complete_ = false;
+  bool complete_ = false;
   uint64_t fetchedVersion_ = 0;
-  wavefront::Aov aov_{};
+  std::optional<wavefront::Aov> aov_;
   VtValue clearValue_;
   int x_ = 0, y_ = 0;
 };

@@ -56,6 +56,8 @@ RenderDelegate::RenderDelegate(std::unique_ptr<delegate::RenderDelegate> core, c
       param_(std::make_unique<RenderParam>(std::move(core))),
       registry_(std::make_shared<HdResourceRegistry>()) {
   _PopulateDefaultSettings(GetRenderSettingDescriptors());
+  // A host that says nothing is a viewport; those that render in batch say so.
+  SetRenderSetting(HdRenderSettingsTokens->enableInteractive, VtValue(true));
   for (const auto& [key, value] : settingsMap) SetRenderSetting(key, value);
 }
 
@@ -175,5 +177,32 @@ TfTokenVector RenderDelegate::GetShaderSourceTypes() const { return GetMaterialR
 TfTokenVector RenderDelegate::GetRenderSettingsNamespaces() const { return {TfToken("wavefront")}; }
 
 HdAovDescriptor RenderDelegate::GetDefaultAovDescriptor(const TfToken& name) const { return ToAovDescriptor(name); }
+
+void RenderDelegate::SetProducts(std::vector<Product> products) {
+  std::lock_guard lock(productsMutex_);
+  products_ = std::move(products);
+  writtenVersion_ = 0;
+  param_->MarkEdited();
+}
+
+std::vector<Product> RenderDelegate::BatchProducts() const {
+  if (ToBool(GetRenderSetting(HdRenderSettingsTokens->enableInteractive)).value_or(true)) return {};
+  std::lock_guard lock(productsMutex_);
+  return products_;
+}
+
+void RenderDelegate::WriteProducts() {
+  if (!param_->core().IsConverged()) return;  // stopped or failed: no half pictures
+  const std::vector<Product> products = BatchProducts();
+  const uint64_t version = param_->core().version();
+  {
+    std::lock_guard lock(productsMutex_);
+    if (products.empty() || writtenVersion_ == version) return;
+    writtenVersion_ = version;
+  }
+  for (const Product& product : products)
+    if (const wavefront::Status status = WriteProduct(param_->core(), product); !status)
+      TF_RUNTIME_ERROR("hdWavefront: %s: %s", product.path.GetText(), status.error().message.c_str());
+}
 
 }  // namespace hydra

@@ -4,12 +4,14 @@
 #pragma once
 
 #include <memory>
-#include <set>
+#include <mutex>
+#include <vector>
 
 #include <pxr/imaging/hd/renderDelegate.h>
 #include <pxr/imaging/hd/resourceRegistry.h>
 
 #include "plugin/hydra/hd_compat.h"
+#include "plugin/hydra/products.h"
 #include "plugin/hydra/render_param.h"
 
 namespace hydra {
@@ -64,9 +66,18 @@ class RenderDelegate final : public HdRenderDelegate {
   bool IsPrimvarFilteringNeeded() const override { return false; }
   HdAovDescriptor GetDefaultAovDescriptor(const TfToken& name) const override;
 
+  // --- Products of the active RenderSettings prim. Written in batch only (enableInteractive is false, as usdrecord and
+  // husk set it), once for each picture.
+  void SetProducts(std::vector<Product> products);
+  std::vector<Product> BatchProducts() const;
+  void WriteProducts();
+
  private:
   std::unique_ptr<RenderParam> param_;
   HdResourceRegistrySharedPtr registry_;
+  mutable std::mutex productsMutex_;
+  std::vector<Product> products_;
+  uint64_t writtenVersion_ = 0;  // of the picture whose products are written; 0: none
 };
 
 }  // namespace hydra

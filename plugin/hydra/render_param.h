@@ -35,11 +35,10 @@ class RenderParam final : public HdRenderParam {
   const delegate::RenderDelegate& core() const { return *core_; }
 
   // --- The edit gate. Updates go straight to the core, which only keeps and compares them; the render is stopped in
-  // Commit alone, and only where there is an edit to commit.
+  // CommitAndStart alone, and only where something differs: usdview dirties dome lights in every frame.
   template <typename Update>
   void Edit(const SdfPath& path, Update update) {
-    core_->Sync(path.GetString(), std::move(update));
-    edited_ = true;
+    if (core_->Sync(path.GetString(), std::move(update))) edited_ = true;
   }
   void MarkEdited() { edited_ = true; }
   bool TakeEdited() { return edited_.exchange(false); }

@@ -3,9 +3,11 @@
 #include "plugin/hydra/render_pass.h"
 
 #include <pxr/imaging/hd/camera.h>
+#include <pxr/imaging/hd/renderIndex.h>
 #include <pxr/imaging/hd/renderPassState.h>
 
 #include <algorithm>
+#include <set>
 
 #include "plugin/hydra/convert_value.h"
 #include "plugin/hydra/render_buffer.h"
@@ -27,7 +29,11 @@ RenderPass::RenderPass(HdRenderIndex* index, const HdRprimCollection& collection
 
 RenderPass::~RenderPass() = default;
 
-bool RenderPass::IsConverged() const { return owner_->param().IsConverged(); }
+bool RenderPass::IsConverged() const {
+  if (!owner_->param().IsConverged()) return false;
+  owner_->WriteProducts();  // hosts look for the files as soon as this is true
+  return true;
+}
 
 RenderPass::Wish RenderPass::ReadState(const HdRenderPassState& state, const TfTokenVector& renderTags) const {
   Wish wish;
@@ -40,38 +46,56 @@ RenderPass::Wish RenderPass::ReadState(const HdRenderPassState& state, const TfT
   }
   wish.framing = ToPassFraming(state.GetFraming(), state.GetViewport());
   wish.policy = ToConformPolicy(state.GetWindowPolicy());
+  // A batch render of a RenderSettings prim with products is framed by them, whatever the host's own frame.
+  if (const std::vector<Product> products = owner_->BatchProducts(); !products.empty()) {
+    const Product& product = products.front();
+    if (!product.camera.empty()) wish.camera = product.camera;
+    if (product.framing.width > 0 && product.framing.height > 0) wish.framing = product.framing;
+    wish.policy = product.policy;
+  }
   for (const TfToken& tag : renderTags) wish.renderTags.push_back(tag.GetString());
   std::sort(wish.renderTags.begin(), wish.renderTags.end());
   return wish;
 }
 
-std::vector<wavefront::Aov> RenderPass::Bind(const HdRenderPassAovBindingVector& bindings,
-                                             const PassFraming& framing) const {
-  std::vector<wavefront::Aov> aovs;
-  for (const HdRenderPassAovBinding& binding : bindings) {
-    auto* buffer = static_cast<RenderBuffer*>(
-        binding.renderBuffer ? binding.renderBuffer
-                             : GetRenderIndex()->GetBprim(HdPrimTypeTokens->renderBuffer, binding.renderBufferId));
-    if (!buffer) continue;
-    const wavefront::AovInfo* info = wavefront::FindAov(binding.aovName.GetString());
-    if (!info) {
-      owner_->param().Report(wavefront::Severity::Warning, "aov-unsupported", binding.renderBufferId,
-                             "there is no AOV \"" + binding.aovName.GetString() + "\"; its buffer stays clear");
-      buffer->ShowNothing(binding.clearValue);
-      continue;
+RenderBuffer* RenderPass::BufferOf(const HdRenderPassAovBinding& binding) const {
+  HdBprim* buffer = binding.renderBuffer;
+  if (!buffer) buffer = GetRenderIndex()->GetBprim(HdPrimTypeTokens->renderBuffer, binding.renderBufferId);
+  return static_cast<RenderBuffer*>(buffer);
+}
+
+std::vector<std::string> RenderPass::AovTokens(const HdRenderPassAovBindingVector& bindings) const {
+  std::set<std::string> wanted, primvars;
+  const auto want = [&](const std::string& token, const SdfPath& asker) {
+    const bool isPrimvar = token.starts_with(wavefront::kPrimvarPrefix);
+    if (isPrimvar ? primvars.size() == wavefront::kMaxPrimvarAovs && !primvars.count(token)
+                  : !wavefront::FindAov(token)) {
+      owner_->param().Report(wavefront::Severity::Warning, "aov-unsupported", asker,
+                             isPrimvar ? "more than " + std::to_string(wavefront::kMaxPrimvarAovs) +
+                                             " primvar AOVs; \"" + token + "\" stays clear"
+                                       : "there is no AOV \"" + token + "\"; it stays clear");
+      return;
     }
-    buffer->Show(info->aov, binding.clearValue, framing.x, framing.y);
-    aovs.push_back(info->aov);
-  }
-  std::sort(aovs.begin(), aovs.end());
-  aovs.erase(std::unique(aovs.begin(), aovs.end()), aovs.end());
-  return aovs;
+    if (isPrimvar) primvars.insert(token);
+    wanted.insert(token);
+  };
+  for (const HdRenderPassAovBinding& binding : bindings) want(binding.aovName.GetString(), binding.renderBufferId);
+  for (const Product& product : owner_->BatchProducts())
+    for (const std::string& token : product.aovs) want(token, product.path);
+  return {wanted.begin(), wanted.end()};
 }
 
 void RenderPass::_Execute(const HdRenderPassStateSharedPtr& renderPassState, const TfTokenVector& renderTags) {
   RenderParam& param = owner_->param();
+  const HdRenderPassAovBindingVector& bindings = renderPassState->GetAovBindings();
   Wish wish = ReadState(*renderPassState, renderTags);
-  wish.aovs = Bind(renderPassState->GetAovBindings(), wish.framing);
+  wish.aovs = AovTokens(bindings);
+  const auto selection = wavefront::SelectAovs(wish.aovs);
+  for (const HdRenderPassAovBinding& binding : bindings)
+    if (RenderBuffer* buffer = BufferOf(binding))
+      buffer->Show(selection ? wavefront::FindAov(binding.aovName.GetString(), selection.value().primvars)
+                             : std::nullopt,
+                   binding.clearValue, wish.framing.x, wish.framing.y);
   param.PostDiagnostics();
   if (!param.TakeEdited() && last_ == wish) return;
 
@@ -86,9 +110,13 @@ void RenderPass::_Execute(const HdRenderPassStateSharedPtr& renderPassState, con
   update.width = wish.framing.width;
   update.height = wish.framing.height;
   update.pixelAspectRatio = wish.framing.pixelAspectRatio;
+  update.dataWindow = wish.framing.part;
   update.windowPolicy = wish.policy;
   update.renderTags = wish.renderTags;
-  update.aovs = wish.aovs;
+  if (selection) {
+    update.aovs = selection.value().aovs;
+    update.primvarAovs = selection.value().primvars;
+  }
   last_ = std::move(wish);
   param.CommitAndStart(update);
 }

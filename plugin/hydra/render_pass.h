@@ -11,8 +11,8 @@
 
 namespace hydra {
 
+class RenderBuffer;
 class RenderDelegate;
-class RenderParam;
 
 // Tells the core what is looked at and which AOVs are wanted, commits what was edited, and starts the render in the
 // background. Hosts execute it again and again: where nothing changed, it does nothing.
@@ -33,11 +33,13 @@ class RenderPass final : public HdRenderPass {
     PassFraming framing;
     delegate::ConformPolicy policy = delegate::ConformPolicy::Fit;
     std::vector<std::string> renderTags;
-    std::vector<wavefront::Aov> aovs;
+    std::vector<std::string> aovs;  // tokens
     bool operator==(const Wish&) const = default;
   };
   Wish ReadState(const HdRenderPassState& state, const TfTokenVector& renderTags) const;
-  std::vector<wavefront::Aov> Bind(const HdRenderPassAovBindingVector& bindings, const PassFraming& framing) const;
+  // What the bindings and the products ask for by token, each once, sorted; what is not rendered is told of.
+  std::vector<std::string> AovTokens(const HdRenderPassAovBindingVector& bindings) const;
+  RenderBuffer* BufferOf(const HdRenderPassAovBinding& binding) const;
 
   RenderDelegate* owner_;
   std::optional<Wish> last_;

@@ -20,6 +20,7 @@ class RenderSettings final : public HdRenderSettings {
 
  private:
   RenderDelegate* owner_;
+  bool wasActive_ = false;
 };
 
 }  // namespace hydra
