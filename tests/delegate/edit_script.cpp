@@ -57,6 +57,7 @@ EditScript::EditScript(uint32_t seed) : random_(seed) {
     prim.type = "camera";
     prim.camera.params.emplace();
     prim.camera.params->clippingNear = 0.1f;
+    prim.camera.params->focalLength = 28;  // everything is in the picture
     Matrix4d m;
     m.m[3] = {path == scene_.camera ? 0.0 : 1.5, 0.5, 9, 1};
     prim.camera.transforms = Still(m);
@@ -121,7 +122,10 @@ void EditScript::BuildMeshes() {
     box.primvars = {{st, tint}};
   }
   delegate::MeshUpdate& box = scene_.prims["/world/box"].mesh;
-  box.topology->subsets = {{"/world/box/lid", {3, 5}}};
+  box.topology->subsets = {{"/world/box/lid", {1, 3}}};  // what the camera sees first
+  Matrix4d near;
+  near.m = {{{0.6, 0, -0.2, 0}, {0, 0.6, 0, 0}, {0.2, 0, 0.6, 0}, {-1.2, 0.4, 2, 1}}};
+  box.transforms = Still(near);
   box.subsetMaterials = {"/looks/veil"};
   delegate::MeshUpdate& soft = scene_.prims["/world/soft"].mesh;
   soft.topology->scheme = "catmullClark";
@@ -136,7 +140,7 @@ void EditScript::BuildMeshes() {
   delegate::MeshUpdate& leaf = add("/world/trees/twigs/leaf", "/looks/plain");
   leaf.topology->faceVertexCounts = {3};
   leaf.topology->faceVertexIndices = {0, 1, 2};
-  leaf.points = Still(std::vector<Float3>{{0, 0, 0}, {0.3f, 0, 0}, {0, 0.5f, 0.1f}});
+  leaf.points = Still(std::vector<Float3>{{0, 0, 0}, {0.7f, 0, 0}, {0, 0.9f, 0.1f}});
   leaf.transforms = Still(Matrix4d{});
   leaf.instancer = "/world/trees/twigs";
 }
@@ -176,7 +180,7 @@ void EditScript::BuildInstancers() {
     instancer.transforms.emplace();
     instancer.positions = Still(std::vector<Float3>());
     for (size_t i = 0; i < count; ++i)
-      instancer.positions->front().value.push_back({static_cast<float>(Number(-2, 2)), static_cast<float>(Number(0, 1)), static_cast<float>(Number(-1, 1))});
+      instancer.positions->front().value.push_back({static_cast<float>(Number(-2, 2)), static_cast<float>(Number(0, 1)), static_cast<float>(Number(0, 2))});
     instancer.orientations.emplace();
     instancer.scales.emplace();
     instancer.protoIndices = std::vector<int32_t>(count, 0);
@@ -264,13 +268,13 @@ void EditScript::Populate(EditSink& sink) {
 const std::vector<EditScript::Edit>& EditScript::Edits() {
   using S = EditScript;
   static const std::vector<Edit> edits{
-      {"points", 4, &S::EditPoints},         {"topology", 2, &S::EditTopology},   {"primvars", 2, &S::EditPrimvars},
+      {"points", 4, &S::EditPoints},         {"topology", 2, &S::EditTopology},   {"primvars", 4, &S::EditPrimvars},
       {"transform", 4, &S::EditTransform},   {"visibility", 3, &S::EditVisibility}, {"render tag", 1, &S::EditRenderTag},
-      {"binding", 3, &S::EditBinding},       {"material value", 4, &S::EditMaterialValue}, {"material graph", 2, &S::EditMaterialGraph},
-      {"shape", 2, &S::EditShape},           {"light", 4, &S::EditLight},         {"camera", 3, &S::EditCamera},
-      {"instances", 4, &S::EditInstances},   {"removal", 4, &S::RemovePrim},      {"re-creation", 4, &S::RestorePrim},
+      {"binding", 5, &S::EditBinding},       {"material value", 4, &S::EditMaterialValue}, {"material graph", 2, &S::EditMaterialGraph},
+      {"shape", 2, &S::EditShape},           {"light", 6, &S::EditLight},         {"camera", 3, &S::EditCamera},
+      {"instances", 6, &S::EditInstances},   {"removal", 4, &S::RemovePrim},      {"re-creation", 4, &S::RestorePrim},
       {"type", 2, &S::ChangeType},           {"camera switch", 1, &S::SwitchCamera}, {"AOVs", 2, &S::SwitchAovs},
-      {"size", 1, &S::Resize},               {"setting", 2, &S::EditSetting},     {"nothing new", 1, &S::TellNothingNew}};
+      {"size", 1, &S::Resize},               {"setting", 4, &S::EditSetting},     {"nothing new", 1, &S::TellNothingNew}};
   return edits;
 }
 
@@ -340,7 +344,7 @@ std::string EditScript::EditPrimvars(EditSink& sink) {
   auto& primvars = *scene_.prims[path].gprim().primvars;
   const auto color = [&] { return static_cast<float>(Number(0, 1)); };
   const auto found = std::find_if(primvars.begin(), primvars.end(), [](const PrimvarInput& p) { return p.name == "displayColor"; });
-  if (found != primvars.end() && Chance(2)) {
+  if (found != primvars.end() && Chance(4)) {
     primvars.erase(found);
     return Tell(sink, path, kPartPrimvars, "no displayColor");
   }
@@ -387,11 +391,12 @@ std::string EditScript::EditRenderTag(EditSink& sink) {
 }
 
 std::string EditScript::EditBinding(EditSink& sink) {
-  const std::string path = AnyPath([](const ScenePrim& p) { return IsGprim(p); });
+  const bool subset = Chance(3);
+  const std::string path = AnyPath([&](const ScenePrim& p) { return subset ? p.kind == PrimKind::Mesh && !p.mesh.subsetMaterials->empty() : IsGprim(p); });
   if (path.empty()) return "";
   ScenePrim& prim = scene_.prims[path];
   const std::string material = Chance(6) ? "" : Chance(8) ? "/looks/nowhere" : Any(kMaterials);
-  if (prim.kind == PrimKind::Mesh && !prim.mesh.subsetMaterials->empty() && Chance(2)) prim.mesh.subsetMaterials->front() = material;
+  if (subset) prim.mesh.subsetMaterials->front() = material;
   else prim.gprim().material = material;
   return Tell(sink, path, kPartMaterial, material.empty() ? "none" : material);
 }
@@ -422,10 +427,11 @@ std::string EditScript::EditShape(EditSink& sink) {
 }
 
 std::string EditScript::EditLight(EditSink& sink) {
-  const std::string path = AnyPath([](const ScenePrim& p) { return p.kind == PrimKind::Light; });
+  const bool dome = Chance(3);
+  const std::string path = AnyPath([&](const ScenePrim& p) { return p.kind == PrimKind::Light && (p.type == "domeLight") == dome; });
   if (path.empty()) return "";
   delegate::LightParams& params = *scene_.prims[path].light.params;
-  switch (Pick(6)) {
+  switch (dome && Chance(2) ? 5 : Pick(6)) {
     case 0: params.intensity = static_cast<float>(Number(0, 8)); break;
     case 1: params.color = {static_cast<float>(Number(0, 1)), 1, static_cast<float>(Number(0, 1))}; break;
     case 2: params.radius = params.width = static_cast<float>(Number(0.125, 1)); break;
@@ -435,7 +441,7 @@ std::string EditScript::EditLight(EditSink& sink) {
       else params.shaping.emplace().coneAngle = 40;
       break;
     default:
-      if (path != "/lights/dome") params.shadowEnable = !params.shadowEnable;
+      if (!dome) params.shadowEnable = !params.shadowEnable;
       else if (params.texture.resolvedPath.empty()) params.texture = {"sky2.png", "/textures/sky2.png", ""};
       else params.texture = {};
   }
@@ -447,7 +453,7 @@ std::string EditScript::EditCamera(EditSink& sink) {
   if (path.empty()) return "";
   delegate::CameraParams& params = *scene_.prims[path].camera.params;
   switch (Pick(4)) {
-    case 0: params.focalLength = static_cast<float>(Number(20, 60)); break;
+    case 0: params.focalLength = static_cast<float>(Number(20, 40)); break;
     case 1: params.exposure = static_cast<float>(Number(-1, 1)); break;
     case 2: params.horizontalApertureOffset = static_cast<float>(Number(-2, 2)); break;
     default:
@@ -485,11 +491,11 @@ std::string EditScript::EditInstances(EditSink& sink) {
 }
 
 std::string EditScript::RemovePrim(EditSink& sink) {
-  const std::string camera = scene_.camera;
   std::vector<std::string> paths;
+  const bool material = Chance(3);
   for (const auto& [path, prim] : scene_.prims)
-    if (path != camera) paths.push_back(path);
-  if (paths.size() < 12) return "";
+    if (path != scene_.camera && (prim.kind == PrimKind::Material) == material) paths.push_back(path);
+  if (paths.size() < (material ? 2 : 9)) return "";
   const std::string path = Any(paths);
   sink.Remove(path, scene_.prims.at(path));
   removed_[path] = scene_.prims.at(path);
@@ -569,18 +575,24 @@ std::string EditScript::Resize(EditSink& sink) {
   return std::to_string(scene_.width) + " x " + std::to_string(scene_.height);
 }
 
+bool EditScript::IsAnythingOff() const {
+  for (const auto& [token, value] : scene_.settings)
+    if (std::holds_alternative<bool>(value) && !std::get<bool>(value)) return true;
+  return false;
+}
+
 std::string EditScript::EditSetting(EditSink& sink) {
   const char* const switches[] = {"enableShadows", "enableSceneMaterials", "enableSceneLights", "domeLightCameraVisibility"};
   std::string token;
-  switch (Pick(5)) {
+  switch (IsAnythingOff() ? 3 : Pick(5)) {
     case 0: scene_.settings[token = "samples"] = int64_t{1} + Pick(3); break;
     case 1: scene_.settings[token = "maxBounces"] = int64_t{Pick(4)}; break;
     case 2: scene_.settings[token = "seed"] = int64_t{Pick(1000)}; break;
-    default: {
-      token = switches[Pick(4)];
-      const auto held = scene_.settings.find(token);
-      scene_.settings[token] = held != scene_.settings.end() && !std::get<bool>(held->second);
-    }
+    default:  // one switch is off at a time, and soon on again: in the dark nothing shows
+      for (const char* off : switches)
+        if (const auto held = scene_.settings.find(off); held != scene_.settings.end() && !std::get<bool>(held->second)) token = off;
+      if (!token.empty()) scene_.settings[token] = true;
+      else scene_.settings[token = switches[Pick(4)]] = false;
   }
   sink.ChangeRender(scene_);
   return token;

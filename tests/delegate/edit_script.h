@@ -131,6 +131,7 @@ class EditScript {
   std::string SwitchAovs(EditSink&);
   std::string Resize(EditSink&);
   std::string EditSetting(EditSink&);
+  bool IsAnythingOff() const;
   std::string TellNothingNew(EditSink&);
 
   std::mt19937 random_;

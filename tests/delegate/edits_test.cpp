@@ -43,7 +43,7 @@ uint32_t Seed() {
 }
 
 TEST(Edits, TwoHundredRandomEditsEqualFreshScenes) {
-  constexpr int kEdits = 200, kCompareEvery = 8;
+  constexpr int kEdits = 200, kCompareEvery = 5;
   EditScript script(Seed());
   auto edited = MakeRealDelegate();
   DelegateSink sink(*edited);
