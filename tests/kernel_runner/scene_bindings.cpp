@@ -75,6 +75,7 @@ LightData LightOf(const nb::dict& from) {
     else if (name == "coneSoftness") light.coneSoftness = nb::cast<float>(value);
     else if (name == "focus") light.focus = nb::cast<float>(value);
     else if (name == "texture") light.texture = nb::cast<uint32_t>(value);
+    else if (name == "lightGroup") light.lightGroup = nb::cast<uint32_t>(value);
     else if (name == "visibleToCamera") light.visibleToCamera = nb::cast<bool>(value);
     else throw std::runtime_error("unknown field of a light: " + name);
   }

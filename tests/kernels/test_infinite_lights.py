@@ -379,3 +379,25 @@ def test_without_light_there_are_no_items(kernel_runner):
     tables = scene_tables([Case("dark", "rect", radiance=(0, 0, 0)).record(None)], [], [], 1.0)
     assert tables["itemCount"] == 0 and tables["lightCount"] == 1
     assert bits([0]).size == 1
+
+
+def test_light_samples_know_their_lights_group(kernel_runner):
+    from _kernel_runner import scene_tables
+
+    lights = [
+        {"path": "/a", "type": "rect", "lightGroup": 7},
+        {"path": "/b", "type": "distant", "lightGroup": 255},
+        {"path": "/c", "type": "sphere"},
+    ]
+    tables = scene_tables(lights, [], [], 10.0)
+    main = """void main() {
+      uint i = gl_GlobalInvocationID.x;
+      if (i * OUT >= outputs.length()) return;
+      uvec4 item = lightItem(i);
+      outputs[i * OUT] = vec4(float(lightItemGroup(i)), float(lightGroup(lightLoad(item.x).flags)), 0.0, 0.0);
+    }"""
+    inputs = np.zeros((len(lights), 4), np.float32)
+    includes = ["lib/contribute.glsl", *INCLUDES]
+    groups = call(kernel_runner, includes, main, inputs, 1, {k: tables[k] for k in TABLES}).reshape(3, 4)
+    assert sorted(groups[:, 0]) == [0, 7, 255]
+    assert (groups[:, 0] == groups[:, 1]).all()

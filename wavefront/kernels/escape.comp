@@ -17,9 +17,8 @@
 
 layout(local_size_x = 64) in;
 
-// Radiance of the lights at infinity along a ray that left the scene; dome lights may be hidden from the camera.
-vec3 missRadiance(vec3 direction, float bsdfPdf, float coneSpread, inout float alpha) {
-  vec3 sum = vec3(0.0);
+// Adds the lights at infinity along a ray that left the scene; dome lights may be hidden from the camera.
+vec4 addMiss(vec4 radiance, vec3 throughput, vec3 direction, float bsdfPdf, float coneSpread, uint events) {
   bool camera = bsdfPdf == 0.0;
   [[dont_unroll]] for (uint i = 0u; i < frame.infiniteLightCount; ++i) {
     Light l = lightLoad(i);
@@ -31,25 +30,27 @@ vec3 missRadiance(vec3 direction, float bsdfPdf, float coneSpread, inout float a
     if (!camera && !castsShadow(l.flags)) weight = 0.0;
     // A light sample reads the texture sharp. Where it shares the estimate, both must see one radiance: a blurred sun
     // would be added once more beside the place where light samples find it.
-    sum += weight * lightRadiance(l, -direction, vec3(0.0), camera ? coneSpread * 0.15915494309 : 0.0);
-    if (camera) alpha = 1.0;
+    vec3 found = weight * lightRadiance(l, -direction, vec3(0.0), camera ? coneSpread * 0.15915494309 : 0.0);
+    radiance = contribute(radiance, throughput * found, events, lightGroup(l.flags));
+    if (camera) radiance.a = 1.0;
   }
-  return sum;
+  return radiance;
 }
 
-// Radiance of the analytic light that was hit, towards the ray.
-vec3 shapeRadiance(uint instance, vec3 origin, vec3 direction, float t, float width, float bsdfPdf) {
+// Adds what the analytic light that was hit sends towards the ray.
+vec4 addShape(vec4 radiance, vec3 throughput, uint instance, vec3 origin, vec3 direction, float t, float width, float bsdfPdf, uint events) {
   Light l = lightLoad(instanceWord(instance, 7u).x);
   uint kind = instanceWord(instance, 3u).z & kInstanceKindMask;
   vec3 local = transformPoint(instanceRow(instance, 0u), instanceRow(instance, 1u), instanceRow(instance, 2u), origin + t * direction);
   vec3 unitPoint = lightShapePoint(kind, local);
   vec3 area = lightAreaVector(l, unitNormal(l.type, unitPoint));
-  if (dot(area, direction) >= 0.0) return vec3(0.0);
+  if (dot(area, direction) >= 0.0) return radiance;
   float weight = bsdfPdf == 0.0 ? 1.0 : powerHeuristic(bsdfPdf, shapeHitPdf(l, origin, direction, t, unitPoint) * lightItemProbability(l.item));
   if (bsdfPdf != 0.0 && !castsShadow(l.flags)) weight = 0.0;
-  // As in missRadiance: sharp where a light sample shares the estimate.
+  // As in addMiss: sharp where a light sample shares the estimate.
   float footprint = bsdfPdf == 0.0 ? width / max(sqrt(length(area)), 1e-20) : 0.0;
-  return weight * lightRadiance(l, -direction, unitPoint, footprint);
+  vec3 found = weight * lightRadiance(l, -direction, unitPoint, footprint);
+  return contribute(radiance, throughput * found, events, lightGroup(l.flags));
 }
 
 void main() {
@@ -64,14 +65,12 @@ void main() {
   vec4 radiance = uintBitsToFloat(loadPath(kChunkRadiance, path));
   uvec4 cone = loadPath(kChunkCone, path);
   float spread = uintBitsToFloat(cone.x);
-  vec3 found;
   if (hit.x == 0xffffffffu) {
-    found = missRadiance(direction, throughput.a, spread, radiance.a);
+    radiance = addMiss(radiance, throughput.rgb, direction, throughput.a, spread, cone.w);
   } else {
     float t = uintBitsToFloat(extra.x);
-    found = shapeRadiance(hit.x, origin.xyz, direction, t, uintBitsToFloat(extra.w) + spread * t, throughput.a);
+    radiance = addShape(radiance, throughput.rgb, hit.x, origin.xyz, direction, t, uintBitsToFloat(extra.w) + spread * t, throughput.a, cone.w);
   }
-  radiance = contribute(radiance, throughput.rgb * found, cone.w, kNoLightGroup);
   if (hit.x != 0xffffffffu && pathBounce(ids.w) != 0u) {
     storePathF(kChunkRadiance, path, radiance);
     storePath(kChunkRayOrigin, path, uvec4(floatBitsToUint(origin.xyz), extra.x));

@@ -34,7 +34,8 @@ void main() {
     vec4 radiance = uintBitsToFloat(loadPath(kChunkRadiance, path));
     if ((ids.w & kFlagShadow) != 0u) {
       vec3 seen = uintBitsToFloat(loadPath(kChunkShadowContribution, path)).rgb;
-      radiance = contribute(radiance, seen, loadPath(kChunkCone, path).w, kNoLightGroup);
+      uvec2 sampled = loadPath(kChunkCone, path).zw;  // the light item that was seen; events
+      radiance = contribute(radiance, seen, sampled.y, lightItemGroup(sampled.x));
       ids.w &= ~kFlagShadow;
     }
     bool ended = (ids.w & kFlagEnd) != 0u;
