@@ -16,11 +16,12 @@
 namespace hydra {
 
 // What HdCamera holds after its Sync; `extra` answers for attributes that HdCamera does not keep ("exposure:time" ...).
-// UsdImaging multiplies apertures and focal length by 0.1 (GfCamera::APERTURE_UNIT) and rounds to float. That is undone,
-// so that the numbers are those that were authored, which the Python host reads.
+// UsdImaging multiplies apertures and focal length by 0.1 (GfCamera::APERTURE_UNIT) and rounds to float. That is
+// undone, so that the numbers are those that were authored, which the Python host reads.
 delegate::CameraParams ToCameraParams(const HdCamera& camera, const std::function<VtValue(const TfToken&)>& extra);
 
-// A camera of a pass that has none, or of hosts that only have matrices. The projection holds window and clipping range.
+// A camera of a pass that has none, or of hosts that only have matrices. The projection holds window and clipping
+// range.
 delegate::CameraParams ToCameraParams(const GfMatrix4d& projection);
 
 delegate::ConformPolicy ToConformPolicy(CameraUtilConformWindowPolicy policy);

@@ -17,8 +17,8 @@ namespace {
 
 constexpr const char* kColorSpacePrefix = "colorSpace:";
 
-// HdMaterialNetwork2 is not used: its layout, and that of what HdConvertToHdMaterialNetwork2 returns, changed within the
-// versions that one build may meet.
+// HdMaterialNetwork2 is not used: its layout, and that of what HdConvertToHdMaterialNetwork2 returns, changed within
+// the versions that one build may meet.
 class Walk {
  public:
   Walk(const HdMaterialNetwork& source, ConvertedMaterial& result) : result_(result) {
@@ -51,7 +51,8 @@ class Walk {
     converted.path = node.path.GetString();
     converted.identifier = node.identifier.GetString();
     for (const auto& [name, value] : node.parameters) AddParameter(node, name, value, converted);
-    // Hydra names the ends of a relationship the other way round: its input is the node above, its output the one below.
+    // Hydra names the ends of a relationship the other way round: its input is the node above, its output the one
+    // below.
     for (const HdMaterialRelationship* r : inputs_[node.path]) {
       network_.connections.push_back(
           {r->inputId.GetString(), r->inputName.GetString(), converted.path, r->outputName.GetString()});
@@ -120,9 +121,6 @@ ConvertedMaterial ToMaterial(const SdfPath& id, const HdMaterialNetworkMap& netw
     materialgen::MaterialNetwork network = Walk(*surface, result).From(id, surface->nodes.back());
     const std::string context = ContextOf(network);
     result.update.contexts.emplace_back(context, std::move(network));
-  } else {
-    result.messages.emplace_back("material-no-surface",
-                                 "the material has no surface that can be rendered; the default is used");
   }
   if (const auto* displacement = terminal(HdMaterialTerminalTokens->displacement);
       displacement && DoesSomething(*displacement))

@@ -11,7 +11,8 @@ namespace hydra {
 
 std::string ToCoreSetting(const TfToken& key) {
   std::string token = key.GetString();
-  if (TfStringStartsWith(token, kSettingsNamespace)) token = token.substr(std::char_traits<char>::length(kSettingsNamespace));
+  const std::string prefix = kSettingsNamespace;
+  if (TfStringStartsWith(token, prefix)) token = token.substr(prefix.size());
   return delegate::FindRenderSetting(token) ? token : std::string();
 }
 

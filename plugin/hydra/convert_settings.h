@@ -13,7 +13,8 @@ namespace hydra {
 
 inline constexpr const char* kSettingsNamespace = "wavefront:";
 
-// The core's token of a key: "wavefront:samples", or Hydra's own names without the namespace. Empty: none of the core's.
+// The core's token of a key: "wavefront:samples", or Hydra's own names without the namespace. Empty: none of the
+// core's.
 std::string ToCoreSetting(const TfToken& key);
 
 HdRenderSettingDescriptorList SettingDescriptors();

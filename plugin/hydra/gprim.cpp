@@ -17,6 +17,12 @@
 namespace hydra {
 namespace {
 
+bool HasComputed(HdSceneDelegate& sceneDelegate, const SdfPath& id) {
+  for (int i = 0; i < HdInterpolationCount; ++i)
+    if (!sceneDelegate.GetExtComputationPrimvarDescriptors(id, static_cast<HdInterpolation>(i)).empty()) return true;
+  return false;
+}
+
 // Skinning and the like: values by primvar, computed on the CPU by the computations' own kernels.
 void ReadComputed(HdSceneDelegate& sceneDelegate, const SdfPath& id, std::vector<delegate::PrimvarInput>& primvars,
                   VtValue* points) {
@@ -73,11 +79,11 @@ HdDirtyBits CommonDirtyBits() {
 void ReadCommon(HdSceneDelegate& sceneDelegate, RenderParam& param, const HdRprim& rprim, HdDirtyBits bits,
                 delegate::GprimUpdate& update, VtValue* points) {
   const SdfPath& id = rprim.GetId();
-  const bool primvarsDirty = HdChangeTracker::IsAnyPrimvarDirty(bits, id);
-  if (primvarsDirty) {
+  // Points that move change no other primvar, unless computations say so: skinning turns normals as well.
+  const bool computed = HdChangeTracker::IsAnyPrimvarDirty(bits, id) && HasComputed(sceneDelegate, id);
+  if (computed || bits & (HdChangeTracker::DirtyPrimvar | HdChangeTracker::DirtyNormals))
     update.primvars = ReadPrimvars(sceneDelegate, id);
-    ReadComputed(sceneDelegate, id, *update.primvars, points);
-  }
+  if (computed) ReadComputed(sceneDelegate, id, *update.primvars, points);
   if (HdChangeTracker::IsTransformDirty(bits, id))
     update.transforms = {{0, ToMatrix(sceneDelegate.GetTransform(id))}};
   if (bits & HdChangeTracker::DirtyMaterialId) update.material = rprim.GetMaterialId().GetString();
@@ -86,7 +92,7 @@ void ReadCommon(HdSceneDelegate& sceneDelegate, RenderParam& param, const HdRpri
   if (HdChangeTracker::IsPrimIdDirty(bits, id)) update.primId = rprim.GetPrimId();
   if (bits & HdChangeTracker::DirtyRenderTag) update.renderTag = rprim.GetRenderTag().GetString();
   if (bits & (HdChangeTracker::DirtyInstancer | HdChangeTracker::DirtyInstanceIndex)) {
-    const InstancerLink link = SyncInstancer(sceneDelegate, param, rprim.GetInstancerId(), id, /*indicesDirty=*/true);
+    const InstancerLink link = SyncInstancer(sceneDelegate, param, rprim.GetInstancerId(), id);
     update.instancer = link.instancer;
     update.prototype = link.prototype;
   }

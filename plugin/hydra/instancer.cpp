@@ -52,7 +52,7 @@ void Instancer::Sync(HdSceneDelegate* sceneDelegate, HdRenderParam* renderParam,
   }
   if (bits & HdChangeTracker::DirtyVisibility) update.visible = sceneDelegate->GetVisible(id);
   if (bits & (HdChangeTracker::DirtyInstancer | HdChangeTracker::DirtyInstanceIndex)) {
-    const InstancerLink parent = SyncInstancer(*sceneDelegate, param, GetParentId(), id, /*indicesDirty=*/true);
+    const InstancerLink parent = SyncInstancer(*sceneDelegate, param, GetParentId(), id);
     update.parent = parent.instancer;
     update.parentPrototype = parent.prototype;
   }
@@ -68,10 +68,10 @@ void Instancer::Finalize(HdRenderParam* renderParam) {
 }
 
 InstancerLink SyncInstancer(HdSceneDelegate& sceneDelegate, RenderParam& param, const SdfPath& instancer,
-                            const SdfPath& prototype, bool indicesDirty) {
+                            const SdfPath& prototype) {
   if (instancer.IsEmpty()) return {};
   HdInstancer::_SyncInstancerAndParents(sceneDelegate.GetRenderIndex(), instancer);
-  if (indicesDirty) param.SetInstances(instancer, prototype, ToInts(sceneDelegate.GetInstanceIndices(instancer, prototype)));
+  param.SetInstances(instancer, prototype, ToInts(sceneDelegate.GetInstanceIndices(instancer, prototype)));
   return {instancer.GetString(), param.PrototypeId(prototype)};
 }
 

@@ -28,6 +28,6 @@ struct InstancerLink {
 // Hydra syncs instancers on behalf of the prims they draw: brings the chain above `prototype` up to date, and tells
 // which of its instances draw it.
 InstancerLink SyncInstancer(HdSceneDelegate& sceneDelegate, RenderParam& param, const SdfPath& instancer,
-                            const SdfPath& prototype, bool indicesDirty);
+                            const SdfPath& prototype);
 
 }  // namespace hydra

@@ -28,7 +28,7 @@ void Light::Sync(HdSceneDelegate* sceneDelegate, HdRenderParam* renderParam, HdD
     update.transforms = {{0, ToMatrix(DomeOffset(values) * sceneDelegate->GetTransform(id))}};
   if (bits & DirtyInstancer) {
     _UpdateInstancer(sceneDelegate, dirtyBits);
-    const InstancerLink link = SyncInstancer(*sceneDelegate, param, GetInstancerId(), id, /*indicesDirty=*/true);
+    const InstancerLink link = SyncInstancer(*sceneDelegate, param, GetInstancerId(), id);
     update.instancer = link.instancer;
     update.prototype = link.prototype;
   }

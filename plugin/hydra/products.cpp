@@ -68,7 +68,8 @@ ConvertedProducts ToProducts(const HdRenderSettings::RenderProducts& products) {
       result.messages.emplace_back(source.productPath, code, text);
     };
     if (source.type != TfToken("raster")) {
-      warn("render-product-type", "products of type '" + source.type.GetString() + "' are not supported; it is ignored");
+      warn("render-product-type",
+           "products of type '" + source.type.GetString() + "' are not supported; it is ignored");
       continue;
     }
     Product product;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the hdWavefront authors
-// Hydra's render delegate: makes the prims, and answers for settings, AOVs, statistics and the render in the background.
+// Hydra's render delegate: makes the prims, and answers for settings, AOVs, statistics and the render in the
+// background.
 #pragma once
 
 #include <memory>

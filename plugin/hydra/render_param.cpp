@@ -85,6 +85,11 @@ bool RenderParam::IsConverged() const {
   return !core_->status().ok();
 }
 
+void RenderParam::PostFailure() {
+  const wavefront::Status status = core_->status();
+  if (!status && !failed_) Fail(status.error().message);
+}
+
 bool RenderParam::Pause() {
   paused_ = true;
   core_->Pause();

@@ -53,6 +53,8 @@ class RenderParam final : public HdRenderParam {
   // cannot be rendered; the picture then counts as converged, so that no host waits for it.
   bool CommitAndStart(const delegate::RenderPassUpdate& pass);
   bool IsConverged() const;
+  // Posts the render thread's error, once: a render that failed in the background must not pass for a picture.
+  void PostFailure();
   bool Pause();
   bool Resume();
   bool Stop();

@@ -31,6 +31,7 @@ RenderPass::~RenderPass() = default;
 
 bool RenderPass::IsConverged() const {
   if (!owner_->param().IsConverged()) return false;
+  owner_->param().PostFailure();
   owner_->WriteProducts();  // hosts look for the files as soon as this is true
   return true;
 }

@@ -125,7 +125,8 @@ TEST(ConvertLight, ShapingCountsWhereItsApiIsApplied) {
 }
 
 TEST(ConvertLight, WhatIsNotRenderedIsTold) {
-  EXPECT_THAT(UnsupportedLightInputs(Values({{"shadow:color", VtValue(GfVec3f(0))}, {"shadow:distance", VtValue(-1.0f)}})),
+  EXPECT_THAT(UnsupportedLightInputs(
+                  Values({{"shadow:color", VtValue(GfVec3f(0))}, {"shadow:distance", VtValue(-1.0f)}})),
               IsEmpty());
   std::vector<std::string> codes;
   for (const auto& [code, message] : UnsupportedLightInputs(
@@ -188,8 +189,7 @@ TEST(ConvertMaterial, WhatIsNotRenderedIsTold) {
   ASSERT_EQ(ToMaterial(SdfPath("/m"), map).messages.size(), 1u);
   const ConvertedMaterial empty = ToMaterial(SdfPath("/m"), HdMaterialNetworkMap());
   EXPECT_THAT(empty.update.contexts, IsEmpty());
-  ASSERT_EQ(empty.messages.size(), 1u);
-  EXPECT_STREQ(empty.messages[0].first, "material-no-surface");
+  EXPECT_THAT(empty.messages, IsEmpty());  // the core's to tell
 }
 
 TEST(ConvertMaterial, ACycleEnds) {
