@@ -44,32 +44,34 @@ void RenderBuffer::Show(std::optional<wavefront::Aov> aov, const VtValue& clearV
 
 void RenderBuffer::Fetch() {
   if (!aov_ || pixels_.empty()) return;
-  delegate::RenderDelegate& core = param_->core();
-  // In this order: what is there after convergence was seen is the whole picture.
-  const uint64_t version = core.version();
-  const bool converged = core.IsConverged();
-  if (complete_ && fetchedVersion_ == version) return;
-  const auto image = core.Map(*aov_);
-  if (!image) return;  // nothing was rendered yet
-  CopyImage(image.value(), x_, y_, width_, height_, format_, pixels_);
-  fetchedVersion_ = version;
-  complete_ = converged;
+  if (complete_ && fetchedVersion_ == param_->core().version()) return;
+  const Snapshot::Picture picture = param_->snapshot().Newer(*aov_, moment_);
+  moment_ = picture.moment;
+  if (!picture.image) return;  // nothing was rendered yet
+  CopyImage(*picture.image, x_, y_, width_, height_, format_, pixels_);
+  fetchedVersion_ = picture.version;
+  complete_ = picture.complete;
 }
 
 void RenderBuffer::Resolve() {
   std::lock_guard lock(mutex_);
-  if (mappers_ == 0) Fetch();
+  if (mappers_ != 0) return;
+  Fetch();
+  resolved_ = true;
 }
 
+// Hosts that resolve first want what they resolved; others just map.
 void* RenderBuffer::Map() {
   std::lock_guard lock(mutex_);
-  if (mappers_ == 0) Fetch();
+  if (mappers_ == 0 && !resolved_) Fetch();
   ++mappers_;
   return pixels_.data();
 }
 
 void RenderBuffer::Unmap() {
+  std::lock_guard lock(mutex_);
   if (mappers_ > 0) --mappers_;
+  if (mappers_ == 0) resolved_ = false;
 }
 
 bool RenderBuffer::IsConverged() const { return param_->IsConverged(); }

@@ -53,7 +53,8 @@ class RenderBuffer final : public HdRenderBuffer {
   HdFormat format_ = HdFormatInvalid;
   std::vector<uint8_t> pixels_;
   bool complete_ = false;
-  uint64_t fetchedVersion_ = 0;
+  bool resolved_ = false;                    // since it was mapped last: mapping then fetches nothing
+  uint64_t moment_ = 0, fetchedVersion_ = 0;
   std::optional<wavefront::Aov> aov_;
   VtValue clearValue_;
   int x_ = 0, y_ = 0;

@@ -9,7 +9,8 @@
 
 namespace hydra {
 
-RenderParam::RenderParam(std::unique_ptr<delegate::RenderDelegate> core) : core_(std::move(core)) {}
+RenderParam::RenderParam(std::unique_ptr<delegate::RenderDelegate> core)
+    : core_(std::move(core)), snapshot_(*core_) {}
 
 int32_t RenderParam::PrototypeId(const SdfPath& prototype) {
   std::lock_guard lock(instancesMutex_);
@@ -68,6 +69,7 @@ bool RenderParam::Fail(const std::string& message) {
 bool RenderParam::CommitAndStart(const delegate::RenderPassUpdate& pass) {
   if (const wavefront::Status status = core_->SetRenderPass(pass); !status) return Fail(status.error().message);
   failed_ = false;
+  snapshot_.Reset();
   FlushInstances();
   LoadTextures();
   const wavefront::Status committed = core_->CommitResources();

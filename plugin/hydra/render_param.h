@@ -24,6 +24,7 @@
 
 #include "delegate/render_delegate.h"
 #include "plugin/hydra/hd_compat.h"
+#include "plugin/hydra/snapshot.h"
 
 namespace hydra {
 
@@ -33,6 +34,7 @@ class RenderParam final : public HdRenderParam {
 
   delegate::RenderDelegate& core() { return *core_; }
   const delegate::RenderDelegate& core() const { return *core_; }
+  Snapshot& snapshot() { return snapshot_; }
 
   // --- The edit gate. Updates go straight to the core, which only keeps and compares them; the render is stopped in
   // CommitAndStart alone, and only where something differs: usdview dirties dome lights in every frame.
@@ -73,6 +75,7 @@ class RenderParam final : public HdRenderParam {
   bool Fail(const std::string& message);
 
   std::unique_ptr<delegate::RenderDelegate> core_;
+  Snapshot snapshot_;
   std::atomic<bool> edited_{true}, failed_{false}, paused_{false}, stopped_{false};
 
   std::mutex instancesMutex_;
