@@ -51,14 +51,12 @@ std::optional<uint32_t> FindSamplerBinding(const std::string& glsl, const std::s
   return std::nullopt;
 }
 
-wavefront::Status RunColorShader(wavefront::Renderer& renderer, const ColorShader& shader, std::span<float> rgba,
-                                 uint32_t width, uint32_t height) {
-  if (width == 0 || height == 0 || rgba.size() != size_t{width} * height * 4)
-    return wavefront::Error{"The pixels do not fit the image size."};
+wavefront::Result<CompiledColorShader> CompileColorShader(const ColorShader& shader) {
   if (!IsIdentifier(shader.function))
     return wavefront::Error{"\"" + shader.function + "\" cannot be the name of a function."};
-  std::vector<wavefront::Renderer::ColorLut> luts = shader.luts;
-  for (auto& lut : luts) {
+  CompiledColorShader compiled;
+  compiled.luts = shader.luts;
+  for (auto& lut : compiled.luts) {
     const auto binding = FindSamplerBinding(shader.glsl, lut.sampler);
     if (!binding || *binding == 0)
       return wavefront::Error{"The colour shader declares no sampler \"" + lut.sampler + "\" with a binding above 0."};
@@ -68,9 +66,23 @@ wavefront::Status RunColorShader(wavefront::Renderer& renderer, const ColorShade
       return wavefront::Error{"The colour table \"" + lut.sampler + "\" does not fit its size."};
   }
   std::string error;
-  const std::vector<uint32_t> spirv = materialgen::CompileGlsl(ColorKernelSource(shader), "colour transform", &error);
-  if (spirv.empty()) return wavefront::Error{"The colour shader does not compile: " + error};
-  return renderer.RunColorKernel(spirv, luts, rgba, width, height);
+  compiled.spirv = materialgen::CompileGlsl(ColorKernelSource(shader), "colour transform", &error);
+  if (compiled.spirv.empty()) return wavefront::Error{"The colour shader does not compile: " + error};
+  return compiled;
+}
+
+wavefront::Status RunColorShader(wavefront::Renderer& renderer, const CompiledColorShader& shader,
+                                 std::span<float> rgba, uint32_t width, uint32_t height) {
+  if (width == 0 || height == 0 || rgba.size() != size_t{width} * height * 4)
+    return wavefront::Error{"The pixels do not fit the image size."};
+  return renderer.RunColorKernel(shader.spirv, shader.luts, rgba, width, height);
+}
+
+wavefront::Status RunColorShader(wavefront::Renderer& renderer, const ColorShader& shader, std::span<float> rgba,
+                                 uint32_t width, uint32_t height) {
+  const auto compiled = CompileColorShader(shader);
+  if (!compiled) return compiled.error();
+  return RunColorShader(renderer, compiled.value(), rgba, width, height);
 }
 
 }  // namespace delegate

@@ -30,7 +30,16 @@ std::string ColorKernelSource(const ColorShader& shader);
 // The binding that the text's layout gives a sampler, or nothing.
 std::optional<uint32_t> FindSamplerBinding(const std::string& glsl, const std::string& sampler);
 
+// For those who run it again and again.
+struct CompiledColorShader {
+  std::vector<uint32_t> spirv;
+  std::vector<wavefront::Renderer::ColorLut> luts;
+};
+wavefront::Result<CompiledColorShader> CompileColorShader(const ColorShader& shader);
+
 // Pixels are transformed in place. Errors name the shader's line or the device's trouble.
+wavefront::Status RunColorShader(wavefront::Renderer& renderer, const CompiledColorShader& shader,
+                                 std::span<float> rgba, uint32_t width, uint32_t height);
 wavefront::Status RunColorShader(wavefront::Renderer& renderer, const ColorShader& shader, std::span<float> rgba,
                                  uint32_t width, uint32_t height);
 

@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the hdWavefront authors
-// Render settings: Hydra's descriptors from the core's rows. Pure.
+// Render settings: Hydra's descriptors from the core's rows, and the colour output's own. Pure.
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include <pxr/imaging/hd/renderDelegate.h>
 
+#include "plugin/hydra/color_output.h"
 #include "plugin/hydra/hd_compat.h"
 
 namespace hydra {
@@ -16,6 +18,13 @@ inline constexpr const char* kSettingsNamespace = "wavefront:";
 // The core's token of a key: "wavefront:samples", or Hydra's own names without the namespace. Empty: none of the
 // core's.
 std::string ToCoreSetting(const TfToken& key);
+
+// The colour settings with the value that a key of theirs is given: a string, a token, an asset, or for wavefront:ocio
+// a bool or number too (true: the default configuration). Nothing: not a key of theirs.
+std::optional<ColorSettings> WithColorSetting(const TfToken& key, const VtValue& value, ColorSettings settings);
+
+// Keys that reach SetRenderSetting from a RenderSettings prim.
+bool IsOwnSetting(const TfToken& key);
 
 HdRenderSettingDescriptorList SettingDescriptors();
 

@@ -44,7 +44,7 @@ void RenderBuffer::Show(std::optional<wavefront::Aov> aov, const VtValue& clearV
 
 void RenderBuffer::Fetch() {
   if (!aov_ || pixels_.empty()) return;
-  if (complete_ && fetchedVersion_ == param_->core().version()) return;
+  if (complete_ && fetchedVersion_ == param_->snapshot().version()) return;
   const Snapshot::Picture picture = param_->snapshot().Newer(*aov_, moment_);
   moment_ = picture.moment;
   if (!picture.image) return;  // nothing was rendered yet

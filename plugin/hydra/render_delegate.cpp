@@ -100,6 +100,11 @@ void RenderDelegate::SetRenderSetting(const TfToken& key, const VtValue& value) 
     param_->MarkEdited();
     return;
   }
+  if (const auto color = WithColorSetting(key, value, param_->snapshot().colorSettings())) {
+    _settingsMap[key] = value;
+    if (param_->snapshot().SetColor(*color)) ++_settingsVersion;  // the next paint shows it: nothing restarts
+    return;
+  }
   const auto known = _settingsMap.find(key);
   if (known != _settingsMap.end() && known->second == value) return;
   _settingsMap[key] = value;

@@ -21,9 +21,12 @@ void RenderSettings::_Sync(HdSceneDelegate*, HdRenderParam* renderParam, const H
     owner_->SetProducts(std::move(converted.products));
   }
   wasActive_ = true;
+  if (*dirtyBits & (DirtyRenderingColorSpace | DirtyActive))
+    if (const TfToken& space = GetRenderingColorSpace(); !space.IsEmpty())
+      owner_->SetRenderSetting(TfToken("wavefront:renderingColorSpace"), VtValue(space));
   if (*dirtyBits & (DirtyNamespacedSettings | DirtyActive))
     for (const auto& [name, value] : GetNamespacedSettings())
-      if (!ToCoreSetting(TfToken(name)).empty()) owner_->SetRenderSetting(TfToken(name), value);
+      if (IsOwnSetting(TfToken(name))) owner_->SetRenderSetting(TfToken(name), value);
 }
 
 }  // namespace hydra

@@ -2,6 +2,8 @@
 // Copyright the hdWavefront authors
 #include "plugin/hydra/snapshot.h"
 
+#include <pxr/base/tf/diagnostic.h>
+
 #include <vector>
 
 namespace hydra {
@@ -9,7 +11,7 @@ namespace hydra {
 Snapshot::Picture Snapshot::Newer(wavefront::Aov aov, uint64_t shown) {
   std::lock_guard lock(mutex_);
   // In this order: what is there after convergence was seen is the whole picture.
-  const uint64_t version = core_.version();
+  const uint64_t version = this->version();
   const bool converged = core_.IsConverged();
   asked_.insert(aov);
   if (images_.empty() || version_ != version || complete_ != converged || shown >= moment_) {
@@ -18,8 +20,7 @@ Snapshot::Picture Snapshot::Newer(wavefront::Aov aov, uint64_t shown) {
     Take(aov);
   } else if (images_.count(aov) == 0) {
     // Asked for the first time: it joins the moment that is held, or it would lag behind the others from now on.
-    if (auto image = core_.Map(aov); image)
-      images_[aov] = std::make_shared<const wavefront::AovImage>(std::move(image).value());
+    if (auto image = core_.Map(aov); image) Keep(aov, std::move(image).value());
   }
   const auto found = images_.find(aov);
   return {found == images_.end() ? nullptr : found->second, moment_, version_, complete_};
@@ -37,7 +38,20 @@ void Snapshot::Take(wavefront::Aov aov) {
   }
   if (!taken) return;
   for (size_t i = 0; i < aovs.size(); ++i)
-    images_[aovs[i]] = std::make_shared<const wavefront::AovImage>(std::move(taken.value()[i]));
+    Keep(aovs[i], std::move(taken.value()[i]));
+}
+
+void Snapshot::Keep(wavefront::Aov aov, wavefront::AovImage image) {
+  if (aov == wavefront::Aov::Color)
+    if (const wavefront::Status status = color_.Apply(core_.renderer(), image); !status)
+      TF_WARN("hdWavefront: %s The image stays linear.", status.error().message.c_str());
+  images_[aov] = std::make_shared<const wavefront::AovImage>(std::move(image));
+}
+
+bool Snapshot::SetColor(const ColorSettings& settings) {
+  if (!color_.Set(settings)) return false;
+  ++colorChanges_;
+  return true;
 }
 
 void Snapshot::Reset() {

@@ -234,9 +234,14 @@ TEST(ConvertImage, FormatsAreConverted) {
 
 TEST(ConvertSettings, EveryRowHasADescriptorOfItsNamespace) {
   const auto descriptors = SettingDescriptors();
-  ASSERT_EQ(descriptors.size(), delegate::RenderSettingInfos().size());
+  ASSERT_EQ(descriptors.size(), delegate::RenderSettingInfos().size() + ColorSettingInfos().size());
   for (const auto& descriptor : descriptors) {
     EXPECT_TRUE(descriptor.key.GetString().starts_with("wavefront:"));
+    EXPECT_TRUE(IsOwnSetting(descriptor.key));
+    if (descriptor.defaultValue.IsHolding<std::string>()) {
+      EXPECT_TRUE(WithColorSetting(descriptor.key, descriptor.defaultValue, {}) == ColorSettings()) << descriptor.key;
+      continue;
+    }
     EXPECT_FALSE(ToCoreSetting(descriptor.key).empty());
     const VtValue& v = descriptor.defaultValue;
     EXPECT_TRUE(v.IsHolding<bool>() || v.IsHolding<int>() || v.IsHolding<float>()) << descriptor.key;
