@@ -127,6 +127,9 @@ struct CameraData {
   // Screen window on the plane z = -1 (perspective), or in scene units (orthographic), for the full image.
   float left = -1, right = 1, bottom = -1, top = 1;
   float nearClip = 0, farClip = 3.4e38f;         // distances along -Z; geometry outside is not seen by camera rays
+  // Camera space; camera rays see only points with x a + y b + z c + d >= 0 for each (a, b, c, d). At most kMaxClipPlanes.
+  static constexpr std::size_t kMaxClipPlanes = 6;
+  std::vector<Float4> clipPlanes;
   float lensRadius = 0;                          // scene units; 0: pinhole
   float focusDistance = 0;                       // along -Z, scene units
   float exposureScale = 1;                       // multiplies colour (2^exposure and physical exposure)

@@ -10,7 +10,7 @@ namespace wavefront {
 
 struct Float2 { float x = 0, y = 0; };
 struct Float3 { float x = 0, y = 0, z = 0; };
-struct Float4 { float x = 0, y = 0, z = 0, w = 0; };
+struct Float4 { float x = 0, y = 0, z = 0, w = 0; bool operator==(const Float4&) const = default; };
 struct UInt3 { uint32_t x = 0, y = 0, z = 0; };
 
 // Affine or projective transform in double precision, row-vector convention as in USD's GfMatrix4d:

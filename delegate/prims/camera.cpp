@@ -107,6 +107,19 @@ wavefront::CameraData ConvertCamera(const std::string& path, const CameraParams&
   // Perspective rays start in the eye: nothing lies behind it. Orthographic ones may begin behind the camera.
   camera.nearClip = camera.orthographic ? p.clippingNear : std::max(p.clippingNear, 0.0f);
   camera.farClip = std::min(p.clippingFar, 3.4e38f);
+  for (const wavefront::Float4& plane : p.clippingPlanes) {
+    const bool finite = std::isfinite(plane.x) && std::isfinite(plane.y) && std::isfinite(plane.z) && std::isfinite(plane.w);
+    if (!finite || (plane.x == 0 && plane.y == 0 && plane.z == 0)) {
+      sink({wavefront::Severity::Warning, "camera-bad-value", path, "A clipping plane has no direction; it is ignored."});
+    } else if (camera.clipPlanes.size() == wavefront::CameraData::kMaxClipPlanes) {
+      sink({wavefront::Severity::Warning, "camera-clipping-planes", path,
+            "More than " + std::to_string(wavefront::CameraData::kMaxClipPlanes) +
+                " clipping planes are not supported; the others are ignored."});
+      break;
+    } else {
+      camera.clipPlanes.push_back(plane);
+    }
+  }
   if (p.fStop > 0 && !camera.orthographic) {
     if (p.focusDistance > 0) {
       // The aperture's diameter is focal length / f-number.

@@ -20,6 +20,8 @@ struct CameraParams {
   float focalLength = 50;
   double apertureUnit = 0.1;               // scene units per aperture and focal length unit; Hydra hands over 1
   float clippingNear = 1, clippingFar = 1000000;  // scene units
+  // Camera space, scene units: (a, b, c, d) clips off points with a x + b y + c z + d < 0.
+  std::vector<wavefront::Float4> clippingPlanes;
   float fStop = 0, focusDistance = 0;      // fStop 0: everything is sharp
   float exposure = 0, exposureTime = 1, exposureIso = 100, exposureFStop = 1, exposureResponsivity = 1;
   double shutterOpen = 0, shutterClose = 0;

@@ -55,8 +55,8 @@ inline auto Fields(const LightParams& v) {
 }
 inline auto Fields(const CameraParams& v) {
   return std::tie(v.projection, v.horizontalAperture, v.verticalAperture, v.horizontalApertureOffset,
-                  v.verticalApertureOffset, v.focalLength, v.apertureUnit, v.clippingNear, v.clippingFar, v.fStop,
-                  v.focusDistance, v.exposure, v.exposureTime, v.exposureIso, v.exposureFStop, v.exposureResponsivity,
+                  v.verticalApertureOffset, v.focalLength, v.apertureUnit, v.clippingNear, v.clippingFar,
+                  v.clippingPlanes, v.fStop, v.focusDistance, v.exposure, v.exposureTime, v.exposureIso, v.exposureFStop, v.exposureResponsivity,
                   v.shutterOpen, v.shutterClose);
 }
 inline auto Fields(const wavefront::LightData& v) {
@@ -65,8 +65,8 @@ inline auto Fields(const wavefront::LightData& v) {
                   v.shadowLink, v.lightGroup);
 }
 inline auto Fields(const wavefront::CameraData& v) {
-  return std::tie(v.transforms, v.orthographic, v.left, v.right, v.bottom, v.top, v.nearClip, v.farClip, v.lensRadius,
-                  v.focusDistance, v.exposureScale, v.shutterOpen, v.shutterClose);
+  return std::tie(v.transforms, v.orthographic, v.left, v.right, v.bottom, v.top, v.nearClip, v.farClip, v.clipPlanes,
+                  v.lensRadius, v.focusDistance, v.exposureScale, v.shutterOpen, v.shutterClose);
 }
 inline auto Fields(const wavefront::MaterialData& v) { return std::tie(v.path, v.kernelKey, v.parameters); }
 inline auto Fields(const wavefront::RenderSettings& v) {

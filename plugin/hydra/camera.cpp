@@ -14,13 +14,10 @@ void Camera::Sync(HdSceneDelegate* sceneDelegate, HdRenderParam* renderParam, Hd
   const HdDirtyBits bits = *dirtyBits;
   HdCamera::Sync(sceneDelegate, renderParam, dirtyBits);
   delegate::CameraUpdate update;
-  if (bits & DirtyParams)
+  if (bits & (DirtyParams | DirtyClipPlanes))
     update.params = ToCameraParams(
         *this, [&](const TfToken& name) { return sceneDelegate->GetCameraParamValue(GetId(), name); });
   if (bits & DirtyTransform) update.transforms = {{0, ToMatrix(GetTransform())}};
-  if (bits & DirtyClipPlanes && !GetClipPlanes().empty())
-    Param(renderParam).Report(wavefront::Severity::Warning, "camera-clipping-planes", GetId(),
-                              "clipping planes are not rendered yet; they are ignored");
   if (update.params || update.transforms) Param(renderParam).Edit(GetId(), std::move(update));
   *dirtyBits = Clean;
 }

@@ -45,6 +45,10 @@ delegate::CameraParams ToCameraParams(const HdCamera& camera, const std::functio
   params.apertureUnit = GfCamera::APERTURE_UNIT;
   params.clippingNear = camera.GetClippingRange().GetMin();
   params.clippingFar = camera.GetClippingRange().GetMax();
+  for (const GfVec4d& plane : camera.GetClipPlanes()) {
+    const GfVec4f p(plane);
+    params.clippingPlanes.push_back({p[0], p[1], p[2], p[3]});
+  }
   params.fStop = camera.GetFStop();
   params.focusDistance = camera.GetFocusDistance();
   params.shutterOpen = camera.GetShutterOpen();

@@ -122,6 +122,10 @@ Status PathTracer::WriteFrameConstants() {
   f.cameraToWorld0 = row(rows[0]); f.cameraToWorld1 = row(rows[1]); f.cameraToWorld2 = row(rows[2]);
   f.window = {camera_.left, camera_.right, camera_.bottom, camera_.top};
   f.nearClip = camera_.nearClip; f.farClip = camera_.farClip;
+  layout::vec4* const planes[] = {&f.clipPlane0, &f.clipPlane1, &f.clipPlane2, &f.clipPlane3, &f.clipPlane4, &f.clipPlane5};
+  static_assert(std::size(planes) == CameraData::kMaxClipPlanes);
+  f.clipPlaneCount = static_cast<uint32_t>(std::min(camera_.clipPlanes.size(), CameraData::kMaxClipPlanes));
+  for (uint32_t i = 0; i < f.clipPlaneCount; ++i) *planes[i] = row(camera_.clipPlanes[i]);
   f.lensRadius = camera_.focusDistance > 0 ? camera_.lensRadius : 0; f.focusDistance = camera_.focusDistance;
   f.exposureScale = camera_.exposureScale;
   const float pixelWidth = std::abs(camera_.right - camera_.left) / static_cast<float>(settings_.width);

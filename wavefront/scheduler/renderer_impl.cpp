@@ -34,7 +34,7 @@ bool SameCamera(const CameraData& a, const CameraData& b) {
     if (a.transforms[i].time != b.transforms[i].time || a.transforms[i].value.m != b.transforms[i].value.m) return false;
   }
   auto tie = [](const CameraData& c) {
-    return std::tie(c.orthographic, c.left, c.right, c.bottom, c.top, c.nearClip, c.farClip, c.lensRadius, c.focusDistance, c.exposureScale,
+    return std::tie(c.orthographic, c.left, c.right, c.bottom, c.top, c.nearClip, c.farClip, c.clipPlanes, c.lensRadius, c.focusDistance, c.exposureScale,
                     c.shutterOpen, c.shutterClose);
   };
   return tie(a) == tie(b);

@@ -46,6 +46,10 @@ struct FrameConstants {
   uint depthChannel, cameraDepthChannel, primIdChannel, instanceIdChannel, elementIdChannel;
   uint neyeChannel;
   uint primvarChannel, primvarAovCount;  // slot i: 3 words from primvarChannel + 3 i
+
+  // Camera space; camera rays see points with xyz . p + w >= 0 of the first clipPlaneCount.
+  vec4 clipPlane0, clipPlane1, clipPlane2, clipPlane3, clipPlane4, clipPlane5;
+  uint clipPlaneCount;
 };
 
 #ifdef __cplusplus

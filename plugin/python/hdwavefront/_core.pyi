@@ -203,7 +203,7 @@ class RenderDelegate:
     ) -> None:
         """
         params: the whole set, UsdGeomCamera's attributes by name: projection, horizontalAperture, verticalAperture,
-            horizontalApertureOffset, verticalApertureOffset, focalLength (tenths of a scene unit), clippingRange,
+            horizontalApertureOffset, verticalApertureOffset, focalLength (tenths of a scene unit), clippingRange, clippingPlanes (n, 4),
             fStop, focusDistance, exposure, exposure:time, exposure:iso, exposure:fStop, exposure:responsivity,
             shutter:open, shutter:close. Absent ones take the schema's fallback.
         """

@@ -88,6 +88,11 @@ delegate::CameraParams ReadCamera(nb::handle value) {
       if (range.size() != 2) RaiseValue("clippingRange must have two numbers");
       p.clippingNear = range[0];
       p.clippingFar = range[1];
+    } else if (key == "clippingPlanes") {
+      const auto numbers = ReadNumbers<float>(item, key).values;
+      if (numbers.size() % 4 != 0) RaiseValue("clippingPlanes must have four numbers each");
+      for (std::size_t i = 0; i < numbers.size(); i += 4)
+        p.clippingPlanes.push_back({numbers[i], numbers[i + 1], numbers[i + 2], numbers[i + 3]});
     } else RaiseValue("cameras have no attribute \"" + key + "\"");
   });
   return p;

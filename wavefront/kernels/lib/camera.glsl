@@ -21,6 +21,15 @@ vec3 cameraPoint(vec3 p) {
 vec3 cameraVector(vec3 v) {
   return vec3(dot(frame.cameraToWorld0.xyz, v), dot(frame.cameraToWorld1.xyz, v), dot(frame.cameraToWorld2.xyz, v));
 }
+
+// The part of o + t d that the plane leaves; an interval with tMax < tMin holds nothing.
+void clipRay(vec4 plane, vec3 o, vec3 d, inout float tMin, inout float tMax) {
+  float at = dot(plane.xyz, o) + plane.w, rate = dot(plane.xyz, d);
+  if (rate > 0.0) tMin = max(tMin, -at / rate);
+  else if (rate < 0.0) tMax = min(tMax, -at / rate);
+  else if (at < 0.0) tMax = -1.0;
+}
+
 // `pixel`: continuous image position, x to the right, y *down* from the top row. tMin and tMax honour the clipping range.
 void cameraRay(vec2 pixel, vec2 uLens, out vec3 origin, out vec3 direction, out float tMin, out float tMax) {
   vec2 s = vec2(mix(frame.window.x, frame.window.y, pixel.x / float(frame.width)),
@@ -43,7 +52,15 @@ void cameraRay(vec2 pixel, vec2 uLens, out vec3 origin, out vec3 direction, out 
   vec3 w = cameraVector(d);
   float scale = length(w);          // a scaled camera transform scales distances, too
   direction = w / scale;
-  tMin = frame.nearClip * perUnitDepth * scale;
-  tMax = frame.farClip * perUnitDepth * scale;
+  tMin = frame.nearClip * perUnitDepth;
+  tMax = frame.farClip * perUnitDepth;
+  if (frame.clipPlaneCount > 0u) clipRay(frame.clipPlane0, o, d, tMin, tMax);
+  if (frame.clipPlaneCount > 1u) clipRay(frame.clipPlane1, o, d, tMin, tMax);
+  if (frame.clipPlaneCount > 2u) clipRay(frame.clipPlane2, o, d, tMin, tMax);
+  if (frame.clipPlaneCount > 3u) clipRay(frame.clipPlane3, o, d, tMin, tMax);
+  if (frame.clipPlaneCount > 4u) clipRay(frame.clipPlane4, o, d, tMin, tMax);
+  if (frame.clipPlaneCount > 5u) clipRay(frame.clipPlane5, o, d, tMin, tMax);
+  tMin *= scale;
+  tMax *= scale;
 }
 #endif

@@ -52,9 +52,7 @@ def camera_params(camera: UsdGeom.Camera, time: Usd.TimeCode, diagnostics: Diagn
             params[name] = _plain(value)
     planes = camera.GetClippingPlanesAttr().Get(time)
     if planes:
-        diagnostics.warning(
-            "camera-clipping-planes", prim.GetPath(), "clipping planes are not rendered yet; they are ignored"
-        )
+        params["clippingPlanes"] = np.array(planes, dtype=np.float32).reshape(-1, 4)
     if params.get("shutter:close", 0.0) > params.get("shutter:open", 0.0):
         diagnostics.info(
             "motion-blur-unsupported",
