@@ -14,6 +14,8 @@
 
 #include "plugin/hydra/color_output.h"
 #include "plugin/hydra/convert_settings.h"
+#include "plugin/hydra/snapshot.h"
+#include "tests/delegate/fakes.h"
 
 #ifdef HDWAVEFRONT_OPENCOLORIO
 #include <OpenColorIO/OpenColorIO.h>
@@ -136,6 +138,45 @@ TEST(ColorOutput, TheBuiltinConfigurationKnowsSpacesThatAnotherDoesNot) {
   const auto builtin = ocio::Config::CreateFromFile("ocio://cg-config-v1.0.0_aces-v1.3_ocio-v2.1");
   ExpectLikeTheLibrary(output, builtin->getProcessor("lin_rec709", "ACEScg"));
   std::remove(path.c_str());
+}
+
+// Has a picture of halves; its device doubles what the colour kernel is given.
+class HalvesRenderer : public delegate_test::FakeRenderer {
+ public:
+  static wavefront::AovImage Halves(wavefront::Aov aov) {
+    return {aov, 1, 1, 4, std::vector<uint32_t>(4, std::bit_cast<uint32_t>(0.5f))};
+  }
+  wavefront::Result<wavefront::AovImage> Map(wavefront::Aov aov) override { return Halves(aov); }
+  wavefront::Result<std::vector<wavefront::AovImage>> Map(std::span<const wavefront::Aov> aovs) override {
+    std::vector<wavefront::AovImage> images;
+    for (const wavefront::Aov aov : aovs) images.push_back(Halves(aov));
+    return images;
+  }
+  wavefront::Status RunColorKernel(std::span<const uint32_t>, const std::vector<ColorLut>&, std::span<float> rgba,
+                                   uint32_t, uint32_t) override {
+    for (float& value : rgba) value *= 2;
+    return {};
+  }
+};
+
+TEST(ColorOutput, ChangedSettingsShowInAWholePictureAndInColorAlone) {
+  delegate::RenderDelegate core(std::make_unique<HalvesRenderer>(), std::make_unique<delegate_test::FakeGenerator>(),
+                                std::make_shared<delegate::DiagnosticLog>());
+  Snapshot snapshot(core);
+  const auto red = [&](wavefront::Aov aov, uint64_t shown) {
+    const Snapshot::Picture picture = snapshot.Newer(aov, shown);
+    EXPECT_EQ(picture.version, snapshot.version());
+    return std::bit_cast<float>(picture.image->bits[0]);
+  };
+  EXPECT_EQ(red(wavefront::Aov::Color, 0), 0.5f);
+  const uint64_t linear = snapshot.version();
+  EXPECT_TRUE(snapshot.SetColor(With("default")));
+  EXPECT_NE(snapshot.version(), linear);  // by which buffers know that what they hold is old
+  EXPECT_EQ(red(wavefront::Aov::Color, 0), 1.0f);  // straight 1, doubled, times its alpha of a half
+  EXPECT_EQ(red(wavefront::Aov::Albedo, 0), 0.5f);
+  EXPECT_FALSE(snapshot.SetColor(With("default")));
+  EXPECT_TRUE(snapshot.SetColor({}));
+  EXPECT_EQ(red(wavefront::Aov::Color, 0), 0.5f);
 }
 
 TEST(ColorOutput, ErrorsNameTheChoicesOnceAndLeaveThePictureLinear) {
