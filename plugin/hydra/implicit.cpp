@@ -44,7 +44,7 @@ void Implicit::Sync(HdSceneDelegate* sceneDelegate, HdRenderParam* renderParam, 
     const HdContainerDataSourceHandle source = ShapeSource(*sceneDelegate, id, type_);
     update.shape = ToImplicit(*ToImplicitShape(type_), [&](const TfToken& name) {
       const auto sampled = source ? HdSampledDataSource::Cast(source->Get(name)) : nullptr;
-      return sampled ? sampled->GetValue(0) : VtValue();
+      return sampled ? sampled->GetValue(0) : sceneDelegate->Get(id, name);
     });
   }
   Param(renderParam).Edit(id, std::move(update));

@@ -10,7 +10,7 @@
 namespace hydra {
 
 RenderParam::RenderParam(std::unique_ptr<delegate::RenderDelegate> core)
-    : core_(std::move(core)), snapshot_(*core_) {}
+    : core_(std::move(core)), loadTexture_(LoadTexture), snapshot_(*core_) {}
 
 int32_t RenderParam::PrototypeId(const SdfPath& prototype) {
   std::lock_guard lock(instancesMutex_);
@@ -49,7 +49,7 @@ void RenderParam::LoadTextures() {
   WorkParallelForN(requests.size(), [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) {
       const delegate::TextureLoadRequest& request = requests[i];
-      auto texture = LoadTexture(request.texture);
+      auto texture = loadTexture_(request.texture);
       const wavefront::Status status = texture
                                            ? core_->SetTexture(request.key, std::move(texture).value())
                                            : core_->SetTextureMissing(request.key, texture.error().message);

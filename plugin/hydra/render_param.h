@@ -50,6 +50,10 @@ class RenderParam final : public HdRenderParam {
   void SetInstances(const SdfPath& instancer, const SdfPath& prototype, std::vector<int32_t> indices);
   void ForgetInstancer(const SdfPath& instancer);
 
+  // Who decodes images: Hio, unless a test brings its own. Called from several threads.
+  using TextureLoader = std::function<wavefront::Result<wavefront::TextureData>(const delegate::TextureKey&)>;
+  void SetTextureLoader(TextureLoader loader) { loadTexture_ = std::move(loader); }
+
   // --- The render.
   // Textures, commit, start: everything between Execute and the picture. False, and a runtime error posted, where it
   // cannot be rendered; the picture then counts as converged, so that no host waits for it.
@@ -75,6 +79,7 @@ class RenderParam final : public HdRenderParam {
   bool Fail(const std::string& message);
 
   std::unique_ptr<delegate::RenderDelegate> core_;
+  TextureLoader loadTexture_;
   Snapshot snapshot_;
   std::atomic<bool> edited_{true}, failed_{false}, paused_{false}, stopped_{false};
 
