@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the hdWavefront authors
-// The edit script through Hd: a render index over our render delegate shows, after each series of edits, the picture that
-// a fresh delegate makes of the scene, to the bit.
+// The edit script through Hd: a render index over our render delegate shows, after each series of edits, the picture
+// that a fresh delegate makes of the scene, to the bit.
 #include <gtest/gtest.h>
 #include <pxr/base/tf/errorMark.h>
 #include <pxr/imaging/hd/camera.h>

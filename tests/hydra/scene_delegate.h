@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the hdWavefront authors
-// The scene of an edit script (tests/delegate/edit_script.h) told through Hd: a scene delegate that answers from it, and
-// an EditSink that inserts, dirties and removes prims of a render index.
+// The scene of an edit script (tests/delegate/edit_script.h) told through Hd: a scene delegate that answers from it,
+// and an EditSink that inserts, dirties and removes prims of a render index.
 #pragma once
 
 #include <map>
