@@ -68,7 +68,9 @@ inline auto Fields(const wavefront::CameraData& v) {
   return std::tie(v.transforms, v.orthographic, v.left, v.right, v.bottom, v.top, v.nearClip, v.farClip, v.clipPlanes,
                   v.lensRadius, v.focusDistance, v.exposureScale, v.shutterOpen, v.shutterClose);
 }
-inline auto Fields(const wavefront::MaterialData& v) { return std::tie(v.path, v.kernelKey, v.parameters); }
+inline auto Fields(const wavefront::MaterialData& v) {
+  return std::tie(v.path, v.kernelKey, v.parameters, v.mediumPriority);
+}
 inline auto Fields(const wavefront::RenderSettings& v) {
   return std::tie(v.width, v.height, v.firstSample, v.samples, v.maxBounces, v.rouletteBounce, v.maxTransparency,
                   v.seed, v.poolSize, v.samplesPerBatch, v.radianceClamp, v.cameraVisibleDome, v.shadows,
