@@ -204,13 +204,8 @@ void Builder::BuildEntry(Entry* entry) {
     for (const std::string& output : entry->outputs) entry->values[output] = unknown;
     return;
   }
-  if (entry->definition->category == "UsdPreviewSurface") {
-    const auto value = entry->node->parameters.find("displacement");
-    const float* amount = value == entry->node->parameters.end() ? nullptr : std::get_if<float>(&value->second);
-    if (entry->connections.count("displacement") || (amount && *amount != 0)) {
-      Say(Severity::Warning, "material-unsupported-feature", entry->node->path, "displacement is ignored");
-    }
-  }
+  const bool isPreview = entry->definition->category == "UsdPreviewSurface";
+  if (isPreview) SayUnconnectedDisplacement(*entry);
   if (entry->definition->category == "standard_surface") SayIgnoredTransmission(*entry);
   Node node;
   node.definition = entry->definition;
@@ -218,6 +213,11 @@ void Builder::BuildEntry(Entry* entry) {
   for (const std::string& output : entry->outputs) {
     // USD names some outputs of its own ("result", "surface"); a node with one output has no other to mean.
     std::string name = output;
+    if (isPreview && output == "displacement") {  // USD's; MaterialX's definition has the input only
+      for (size_t i = 0; i < node.inputs.size(); ++i)
+        if (entry->definition->inputs[i].name == output) entry->values[output] = {Type::Displacement, node.inputs[i].id};
+      continue;
+    }
     if (!entry->definition->FindOutput(name)) {
       if (entry->definition->outputs.size() != 1) {
         Say(Severity::Warning, "material-unknown-output", entry->node->path,
@@ -304,7 +304,8 @@ Port Builder::DefaultInput(const materialgen::Node* node, const PortDefinition& 
 Port Builder::Literal(Type type, const std::string& text) {
   if (type == Type::String) return {type, e_.Text(text)};
   if (type == Type::Asset) return {type, e_.Asset({text, {}, {}})};
-  if (type == Type::Bsdf || type == Type::Surface || type == Type::None) return {type, kNone};
+  if (type == Type::Bsdf || type == Type::Surface || type == Type::Displacement || type == Type::None)
+    return {type, kNone};
   Constant numbers{};
   ParseNumbers(text, type, &numbers);
   return {type, e_.Literal(type, numbers)};

@@ -25,7 +25,8 @@ struct Surface {
 // Value of an input or output.
 struct Port {
   Type type = Type::None;
-  Id id = kNone;           // expression, Bsdf or Surface by type; kNone with Bsdf: no closure
+  Id id = kNone;           // expression, Bsdf or Surface by type; kNone with Bsdf: no closure. Displacement: an
+                           // expression, a number along the normal or a vector in (dPdu, dPdv, N); kNone: none
   bool isUnknown = false;  // comes from a node that nobody knows
 };
 
@@ -34,6 +35,7 @@ struct Material {
   LinearClosure closure;
   Id opacity = kNone;  // Surface's, before pass-through
   Id emission = kNone;
+  Id displacement = kNone;  // of BuildDisplacement only: by how much a point moves, in object space
 };
 
 class Builder {
@@ -42,6 +44,7 @@ class Builder {
   Builder(Library* library, const MaterialNetwork& network, Expressions* expressions, bool transmits);
 
   Material Build();
+  Material BuildDisplacement();
   // Inputs of one node being evaluated, in the definition's order.
   struct Node {
     const NodeDefinition* definition = nullptr;
@@ -67,6 +70,8 @@ class Builder {
   void Index();
   std::vector<uint32_t> Order(uint32_t root);
   void SayIgnoredTransmission(const Entry& entry);
+  void SayUnconnectedDisplacement(const Entry& entry);
+  void SayWorldSpace(Id root);
   void BuildEntry(Entry* entry);
   Port NetworkInput(Entry* entry, const PortDefinition& definition);
   Port AuthoredInput(const materialgen::Node& node, const PortDefinition& definition, const Value& value);
@@ -127,6 +132,7 @@ class NodeEvaluator {
   bool EvaluateCombiner(Port* result);
   bool EvaluateEmission(Port* result);
   bool EvaluateSurface(Port* result);
+  bool EvaluateDisplacement(Port* result);
   Id Primvar(const std::string& name, Type type, Id fallback);
   Id Footprint(Id uv, int depth = 0);
   Id UvOf(Id id, int depth = 0);

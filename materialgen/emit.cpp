@@ -34,6 +34,7 @@ class Emitter {
       : e_(*expressions), material_(material), functions_(functions) {}
 
   CompiledMaterial Run() {
+    if (material_.displacement != kNone) return RunDisplacement();
     FindRoots();
     std::vector<std::vector<Id>> entries = {surfaceRoots_, opacityRoots_, emissionRoots_};
     layout_ = LayOut(e_, entries);
@@ -54,6 +55,21 @@ class Emitter {
   }
 
  private:
+  CompiledMaterial RunDisplacement() {
+    const std::vector<Id> roots = {material_.displacement};
+    layout_ = LayOut(e_, {roots});
+    auto kernel = std::make_shared<KernelSource>();
+    kernel->primvars = layout_.primvars;
+    kernel->displacement = PatternSource("displacement", "materialDisplacement", material_.displacement, roots);
+    std::string all = kGeneratorVersion + ("\n---\n" + kernel->displacement);
+    for (const std::string& primvar : kernel->primvars) all += "\n" + primvar;
+    kernel->key = HashOf(all);
+    CompiledMaterial result;
+    result.kernel = std::move(kernel);
+    FillBlock(&result);
+    return result;
+  }
+
   // Light that passes through unhindered is one thing for the core, whether a surface is partly absent (opacity) or a
   // BSDF lets it through: what remains is weighted so that opacity * lobes comes out right.
   void FindRoots() {
@@ -102,7 +118,7 @@ class Emitter {
   std::string PatternSource(const char* entry, const char* function, Id value, const std::vector<Id>& roots) const {
     Printer printer(e_, layout_, roots);
     const std::string result = printer.Text(value);
-    std::string text = Head("pattern", printer);
+    std::string text = Head(entry == std::string_view("displacement") ? "displacement" : "pattern", printer);
     text +=
         "vec3 " + std::string(function) + "(ShadingPoint sp) {\n" + printer.Body() + "  return " + result + ";\n}\n";
     return text + "#include \"material/" + entry + "_tail.glsl\"\n";

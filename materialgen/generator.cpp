@@ -36,10 +36,15 @@ class GeneratorImpl final : public Generator {
   }
 
   CompiledMaterial Generate(const MaterialNetwork& network, const MessageSink& sink) override {
-    CompiledMaterial result = Compile(network, sink);
-    const std::lock_guard lock(mutex_);
-    // Equal topologies share one kernel object.
-    result.kernel = kernels_.emplace(result.kernel->key, result.kernel).first->second;
+    CompiledMaterial result = Compile(network, Terminal::Surface, sink);
+    Share(&result);
+    return result;
+  }
+
+  CompiledMaterial GenerateDisplacement(const MaterialNetwork& network, const MessageSink& sink) override {
+    if (network.displacementNode.empty()) return {};
+    CompiledMaterial result = Compile(network, Terminal::Displacement, sink);
+    if (result.kernel) Share(&result);
     return result;
   }
 
@@ -60,13 +65,22 @@ class GeneratorImpl final : public Generator {
   }
 
  private:
-  CompiledMaterial Compile(const MaterialNetwork& network, const MessageSink& sink) const {
+  enum class Terminal { Surface, Displacement };
+
+  // Equal topologies share one kernel object.
+  void Share(CompiledMaterial* result) {
+    const std::lock_guard lock(mutex_);
+    result->kernel = kernels_.emplace(result->kernel->key, result->kernel).first->second;
+  }
+
+  CompiledMaterial Compile(const MaterialNetwork& network, Terminal terminal, const MessageSink& sink) const {
     std::vector<std::string> frozen;
     bool transmits = false;
     for (int pass = 0;; ++pass) {
       Expressions expressions(&frozen);
       Builder builder(library_.get(), network, &expressions, transmits);
-      const Material material = builder.Build();
+      const bool isSurface = terminal == Terminal::Surface;
+      const Material material = isSurface ? builder.Build() : builder.BuildDisplacement();
       const std::vector<std::string>& more = expressions.NewlyFrozen();
       const bool isSettled = more.empty() && material.closure.transmits == transmits;
       if (!isSettled && pass + 1 < kMaximumPasses) {
@@ -86,13 +100,18 @@ class GeneratorImpl final : public Generator {
       }
       const bool isTooLarge = expressions.size() > kMaximumExpressions;
       CompiledMaterial result;
-      if (!isTooLarge) result = Emit(&expressions, material, functions);
-      if (isTooLarge || result.kernel->surface.size() > kMaximumSource) {
+      const bool isNothing = !isSurface && material.displacement == kNone;
+      if (!isTooLarge && !isNothing) result = Emit(&expressions, material, functions);
+      if (!isSurface && (isTooLarge || (result.kernel && result.kernel->displacement.size() > kMaximumSource))) {
+        messages.push_back({Severity::Error, "material-too-large", network.path,
+                            "the displacement is too large to compile; the surface is not displaced"});
+        result = {};
+      } else if (isSurface && (isTooLarge || result.kernel->surface.size() > kMaximumSource)) {
         messages.push_back({Severity::Error, "material-too-large", network.path,
                             "the material is too large to compile; it shows magenta"});
         MaterialNetwork empty;
         empty.path = network.path;
-        result = Compile(empty, [](const Message&) {});
+        result = Compile(empty, Terminal::Surface, [](const Message&) {});
       }
       for (const Message& message : messages) {
         if (sink) sink(message);

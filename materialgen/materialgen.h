@@ -50,6 +50,7 @@ struct KernelSource {
   std::string surface;
   std::string opacity;    // empty: opaque for every value of the parameters
   std::string emission;   // empty: never emits
+  std::string displacement;  // of GenerateDisplacement's kernels only, which have no other entry
   std::vector<std::string> primvars;  // names read, in slot order
   std::vector<std::string> lobes;     // names of the lobes left after pruning, for statistics and explain
 };
@@ -76,6 +77,11 @@ class Generator {
   // Never fails: an unknown node, cycle or type error gives a message and a visible fallback (magenta for colours
   // fed by an unknown node; the whole material where the terminal itself is unknown).
   virtual CompiledMaterial Generate(const MaterialNetwork& network, const MessageSink& sink) = 0;
+
+  // The network's displacement terminal, as a kernel and a block of its own: materials that differ in displacement only
+  // share their surface kernel, and an edit of the surface moves no mesh. `kernel` is null where nothing is displaced:
+  // no terminal, a constant zero, or a message that says what is wrong.
+  virtual CompiledMaterial GenerateDisplacement(const MaterialNetwork& network, const MessageSink& sink) = 0;
 
   // The material for prims that have none: MaterialX/USD preview grey using primvar displayColor and, unless
   // `isOpaque`, displayOpacity (a kernel with opacity costs every shadow ray a stop).

@@ -41,6 +41,8 @@ struct MaterialNetwork {
   std::vector<Connection> connections;
   std::string surfaceNode;        // node path of the surface terminal
   std::string surfaceOutput;
+  std::string displacementNode;   // of the displacement terminal; empty: none
+  std::string displacementOutput;
 };
 
 }  // namespace materialgen

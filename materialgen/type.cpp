@@ -44,6 +44,7 @@ Type TypeFromMaterialX(std::string_view name) {
       {"vector3", Type::Vec3},  {"vector4", Type::Vec4},  {"color3", Type::Vec3},   {"color4", Type::Vec4},
       {"matrix33", Type::Mat3}, {"matrix44", Type::Mat4}, {"string", Type::String}, {"filename", Type::Asset},
       {"BSDF", Type::Bsdf},     {"EDF", Type::Vec3},      {"VDF", Type::Vec3},      {"surfaceshader", Type::Surface},
+      {"displacementshader", Type::Displacement},
   };
   for (const Row& row : kRows) {
     if (row.name == name) return row.type;

@@ -27,7 +27,8 @@ enum class Type : uint8_t {
   Call,
   Uv,
   Bsdf,
-  Surface
+  Surface,
+  Displacement
 };
 
 // Number of floats; 0 for what is not a number.

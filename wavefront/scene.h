@@ -35,6 +35,14 @@ struct PrimvarData {
   std::vector<uint32_t> indices;
 };
 
+// How a material moves the points of a mesh. Kernels and values come from materialgen through the delegate.
+struct DisplacementData {
+  std::string kernelKey;                                  // equal keys have equal SPIR-V
+  std::shared_ptr<const std::vector<uint32_t>> spirv;     // entry "displacement"
+  std::vector<std::string> primvars;                      // names that the kernel reads, in slot order
+  std::vector<Float4> parameters;                         // as MaterialData::parameters
+};
+
 // A triangle mesh as the core renders it; made by delegate/mesh. Right-handed winding is already resolved:
 // cross(p1 - p0, p2 - p0) is the outward geometric normal in object space.
 struct MeshData {
@@ -45,6 +53,10 @@ struct MeshData {
   std::vector<PrimvarData> primvars;    // "normals" (3 components, unit, object space) gives smooth shading;
                                         // none: the geometric normal
   bool doubleSided = true;
+  std::string path;                     // of the prim, for diagnostics
+  // By material slot; null or past the end: not moved. The commit moves the points and makes the normals anew before it
+  // builds the BVH (scene/displacement.h says by what rules).
+  std::vector<std::shared_ptr<const DisplacementData>> displacements;
 };
 
 // Who sees an instance. All bits set = everyone.

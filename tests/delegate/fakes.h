@@ -191,6 +191,23 @@ class FakeGenerator : public materialgen::Generator {
       }
     return material;
   }
+  // The node's "value" displaces; 0: nothing does.
+  materialgen::CompiledMaterial GenerateDisplacement(const materialgen::MaterialNetwork& network,
+                                                     const materialgen::MessageSink&) override {
+    materialgen::CompiledMaterial material;
+    for (const materialgen::Node& node : network.nodes) {
+      const auto found = node.parameters.find("value");
+      if (node.path != network.displacementNode || found == node.parameters.end()) continue;
+      const float value = std::get<float>(found->second);
+      if (value == 0) continue;
+      auto source = std::make_shared<materialgen::KernelSource>();
+      source->key = "displacement of " + node.identifier;
+      source->displacement = "#version 460\nlayout(local_size_x = 1) in;\nvoid main() {}\n";
+      material.kernel = source;
+      material.parameters = {value, 0, 0, 0};
+    }
+    return material;
+  }
   materialgen::CompiledMaterial GenerateDefault(bool isOpaque) override {
     materialgen::CompiledMaterial material;
     material.kernel = Kernel(isOpaque ? "default" : "default with opacity");

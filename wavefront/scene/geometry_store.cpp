@@ -63,7 +63,7 @@ void GeometryStore::Release(ResidentMesh& mesh) {
   meshRecords.Free({mesh.record, 1});
 }
 
-Status GeometryStore::Commit(uint32_t threads, const DiagnosticSink& sink, bool* changed) {
+Status GeometryStore::Commit(uint32_t threads, const DiagnosticSink& sink, const Displace& displace, bool* changed) {
   std::lock_guard lock(mutex_);
   *changed = !staged_.empty() || !destroyed_.empty();
   for (MeshId id : destroyed_) {
@@ -75,6 +75,10 @@ Status GeometryStore::Commit(uint32_t threads, const DiagnosticSink& sink, bool*
   destroyed_.clear();
   if (staged_.empty()) return {};
 
+  for (auto& [id, mesh] : staged_) {
+    if (mesh.displacements.empty()) continue;
+    if (Status s = displace(mesh); !s) return s;
+  }
   auto start = std::chrono::steady_clock::now();
   std::vector<MeshId> ids;
   std::vector<bvh::MeshInput> inputs;
@@ -115,7 +119,8 @@ Status GeometryStore::Commit(uint32_t threads, const DiagnosticSink& sink, bool*
   }
   for (std::size_t i = 0; i < ids.size(); ++i) {
     if (trees[i].brokenTriangles != 0 && sink) {
-      sink({Severity::Warning, "mesh-broken-triangles", "mesh " + std::to_string(ids[i]),
+      sink({Severity::Warning, "mesh-broken-triangles",
+            staged_[ids[i]].path.empty() ? "mesh " + std::to_string(ids[i]) : staged_[ids[i]].path,
             std::to_string(trees[i].brokenTriangles) + " triangles have vertices that are not finite and are not rendered"});
     }
     if (Status s = Upload(ids[i], staged_[ids[i]], trees[i]); !s) return s;

@@ -4,6 +4,7 @@
 // dropped once it is there.
 #pragma once
 
+#include <functional>
 #include <map>
 #include <mutex>
 #include <optional>
@@ -39,8 +40,10 @@ class GeometryStore {
   void Set(MeshId id, MeshData mesh);
   void Destroy(MeshId id);
 
-  // Builds BVHs of staged meshes in parallel and uploads. `changed`: something happened.
-  Status Commit(uint32_t threads, const DiagnosticSink& sink, bool* changed);
+  // Moves the points of a mesh by its displacements, and forgets those.
+  using Displace = std::function<Status(MeshData&)>;
+  // Displaces staged meshes, builds their BVHs in parallel and uploads. `changed`: something happened.
+  Status Commit(uint32_t threads, const DiagnosticSink& sink, const Displace& displace, bool* changed);
   const ResidentMesh* Find(MeshId id) const;
   double bvhSeconds() const { return bvhSeconds_; }
   uint64_t triangleCount() const;

@@ -132,10 +132,10 @@ void SceneStore::SetPrimvarAovs(std::vector<std::string> names) {
   primvarAovs_ = std::move(names);
 }
 
-Status SceneStore::Commit(uint32_t threads, const DiagnosticSink& sink, bool* changed) {
+Status SceneStore::Commit(uint32_t threads, const DiagnosticSink& sink, const GeometryStore::Displace& displace, bool* changed) {
   bool texturesChanged = false, meshesChanged = false, valuesChanged = false, bindingsChanged = false;
   if (Status s = textures.Commit(sink, &texturesChanged); !s) return s;
-  if (Status s = geometry.Commit(threads, sink, &meshesChanged); !s) return s;
+  if (Status s = geometry.Commit(threads, sink, displace, &meshesChanged); !s) return s;
   if (Status s = materials.Commit(&valuesChanged, &bindingsChanged); !s) return s;
   std::lock_guard lock(mutex_);
   const bool rebuild = instancesDirty_ || lightsDirty_ || meshesChanged || bindingsChanged || texturesChanged;

@@ -38,8 +38,9 @@ class SceneStore {
   TextureStore textures;
   MaterialTable materials;
 
-  // Makes staged edits real; `changed`: the image may differ. No submitted work may run.
-  Status Commit(uint32_t threads, const DiagnosticSink& sink, bool* changed);
+  // Makes staged edits real; `changed`: the image may differ. No submitted work may run. `displace`: as GeometryStore's;
+  // it finds the textures on the device.
+  Status Commit(uint32_t threads, const DiagnosticSink& sink, const GeometryStore::Displace& displace, bool* changed);
   Status Bind(vulkan::DescriptorSet& set);
   const SceneFacts& facts() const { return facts_; }
   // By bucket number less kFirstMaterialBucket: does any instance of the committed scene use it?

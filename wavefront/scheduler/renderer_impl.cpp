@@ -60,6 +60,7 @@ Result<std::unique_ptr<Renderer>> RendererImpl::Make(const RendererOptions& opti
   auto tracer = PathTracer::Create(*renderer->device_);
   if (!tracer) return tracer.error();
   renderer->tracer_ = std::move(tracer).value();
+  renderer->displacer_ = std::make_unique<Displacer>(*renderer->device_, renderer->tracer_->kernels().layout(), renderer->scene_->textures);
   return std::unique_ptr<Renderer>(std::move(renderer));
 }
 
@@ -68,6 +69,7 @@ RendererImpl::~RendererImpl() {
   Stop();
   {
     std::lock_guard lock(deviceMutex_);
+    displacer_.reset();
     tracer_.reset();
     scene_.reset();
   }
@@ -104,7 +106,8 @@ Status RendererImpl::Commit() {
   if (Status s = tracer_->Drain(); !s) return s;
   const unsigned threads = options_.threads != 0 ? options_.threads : DefaultThreadCount();
   bool changed = false;
-  if (Status s = scene_->Commit(threads, options_.diagnostics, &changed); !s) return s;
+  const auto displace = [this](MeshData& mesh) { return displacer_->Displace(mesh, options_.diagnostics); };
+  if (Status s = scene_->Commit(threads, options_.diagnostics, displace, &changed); !s) return s;
   {
     std::lock_guard lock(stagingMutex_);
     changed = changed || cameraDirty_ || settingsDirty_ || !configured_;

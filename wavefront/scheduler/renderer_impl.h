@@ -11,6 +11,7 @@
 #include "wavefront/base/fair_mutex.h"
 #include "wavefront/renderer.h"
 #include "wavefront/scene/scene_commit.h"
+#include "wavefront/scheduler/displacer.h"
 #include "wavefront/scheduler/path_tracer.h"
 
 namespace wavefront {
@@ -71,6 +72,7 @@ class RendererImpl final : public Renderer {
   std::unique_ptr<vulkan::Device> device_;
   std::unique_ptr<SceneStore> scene_;
   std::unique_ptr<PathTracer> tracer_;
+  std::unique_ptr<Displacer> displacer_;
 
   std::mutex stagingMutex_;
   RenderSettings stagedSettings_;
