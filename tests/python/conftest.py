@@ -97,3 +97,25 @@ def assets() -> Path:
         if place and Path(place).is_dir():
             return Path(place)
     pytest.skip("the third-party assets are not here (HDWAVEFRONT_ASSETS names their folder)")
+
+
+@pytest.fixture
+def looks(stage_file: Callable[[str], str], tmp_path: Path) -> Callable[..., Any]:
+    """Translates a stage beside a document m.mtlx; gives the recording delegate and the diagnostics."""
+    from hdwavefront.errors import Diagnostics
+    from hdwavefront.stage import open_stage
+    from hdwavefront.stage_adapters.context import Options
+    from hdwavefront.stage_adapters.traversal import translate
+    from pxr import Usd
+    from recording import RecordingDelegate
+
+    def run(document: str | bytes | None, stage: str, **options: Any) -> tuple[RecordingDelegate, Diagnostics]:
+        if document is not None:
+            text = document.encode() if isinstance(document, str) else document
+            (tmp_path / "m.mtlx").write_bytes(text)
+        diagnostics, delegate = Diagnostics(), RecordingDelegate()
+        delegate.stage = open_stage(stage_file(stage), diagnostics)
+        translate(delegate.stage, Options(time=Usd.TimeCode(0), **options), delegate, diagnostics)
+        return delegate, diagnostics
+
+    return run

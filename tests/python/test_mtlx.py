@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright the hdWavefront authors
-"""Stages that reference .mtlx files, with a pxr that has no UsdMtlx."""
+"""Stages that reference .mtlx files: the materials arrive as networks, whichever pxr there is."""
 
 from __future__ import annotations
 
@@ -78,29 +78,8 @@ def Xform "world" {
 """
 
 
-@pytest.fixture
-def looks(stage_file, tmp_path):
-    """The networks of the stage's materials, and the diagnostics."""
-    from hdwavefront.errors import Diagnostics
-    from hdwavefront.stage import open_stage
-    from hdwavefront.stage_adapters.context import Options
-    from hdwavefront.stage_adapters.traversal import translate
-    from pxr import Usd
-    from recording import RecordingDelegate
-
-    def run(document=DOCUMENT, stage=STAGE, **options):
-        if document is not None:
-            (tmp_path / "m.mtlx").write_text(document)
-        diagnostics, delegate = Diagnostics(), RecordingDelegate()
-        options = Options(time=Usd.TimeCode(0), **options)
-        translate(open_stage(stage_file(stage), diagnostics), options, delegate, diagnostics)
-        return delegate, diagnostics
-
-    return run
-
-
 def test_the_materials_arrive_as_networks(looks, tmp_path, capfd):
-    delegate, diagnostics = looks()
+    delegate, diagnostics = looks(DOCUMENT, STAGE)
     assert not list(diagnostics) and capfd.readouterr().err == ""
     network = delegate.told["/world/looks/textured"]["mtlx"]
     nodes = {n["path"].rsplit("/", 1)[1]: n for n in network["nodes"]}
@@ -121,21 +100,21 @@ def test_the_materials_arrive_as_networks(looks, tmp_path, capfd):
 
 
 def test_nodes_that_the_file_defines_are_replaced_by_their_graphs(looks):
-    delegate, _ = looks()
+    delegate, _ = looks(DOCUMENT, STAGE)
     identifiers = {n["identifier"] for n in delegate.told["/world/looks/own_node"]["mtlx"]["nodes"]}
     assert identifiers == {"ND_standard_surface_surfaceshader", "ND_multiply_color3FA"}
 
 
 @pytest.mark.parametrize("document", [None, "", "<no xml", "<other/>"])
 def test_files_that_cannot_be_read_are_said(looks, document):
-    delegate, diagnostics = looks(document)
+    delegate, diagnostics = looks(document, STAGE)
     assert {d.code for d in diagnostics} & {"mtlx-reference-unsupported", "material-missing"}
     assert delegate.told["/world/a"]["material"] == ""
 
 
 def test_a_missing_package_is_said(looks, monkeypatch):
     monkeypatch.setitem(sys.modules, "MaterialX", None)
-    _, diagnostics = looks()
+    _, diagnostics = looks(DOCUMENT, STAGE)
     assert any("pip install materialx" in d.message for d in diagnostics)
 
 
@@ -168,28 +147,6 @@ def test_third_party_stages_have_their_materials(assets, stage, materials):
     opened = open_stage(str(assets / stage), diagnostics)
     translate(opened, Options(time=Usd.TimeCode(opened.GetStartTimeCode())), delegate, diagnostics)
     assert not list(diagnostics) and len(delegate.named("material")) == materials
-
-
-LOOK = """  <look name="day">
-    <materialassign name="a" material="textured" geom="/a"/>
-  </look>
-</materialx>
-"""
-
-
-@pytest.mark.parametrize(
-    ("document", "target", "expected"),
-    [
-        (DOCUMENT.replace("</materialx>\n", LOOK), "", True),
-        (DOCUMENT.replace("</materialx>\n", LOOK), "</MaterialX>", True),
-        (DOCUMENT.replace("</materialx>\n", LOOK), "</MaterialX/Materials>", False),  # nobody asked for the looks
-        (DOCUMENT.replace("</materialx>\n", '  <look name="empty"/>\n</materialx>\n'), "", False),
-    ],
-)
-def test_looks_are_not_read_which_is_said(looks, document, target, expected):
-    _, diagnostics = looks(document, f'def Xform "world" (\n    references = @./m.mtlx@{target}\n) {{\n}}\n')
-    assert [(d.code, d.location) for d in diagnostics] == ([("mtlx-look-unsupported", "/world")] if expected else [])
-    assert all("day" in d.message and "m.mtlx" in d.message for d in diagnostics)
 
 
 def networks_of(looks, body, stage=STAGE):
@@ -261,6 +218,7 @@ def test_colour_spaces_stay_with_their_values(looks):
         f"""<?xml version="1.0"?><materialx version="1.39" colorspace="lin_rec709">
         {SURFACE.format('<input name="base_color" type="color3" value="1, 0, 0" colorspace="acescg"/>', "")}
         </materialx>""",
+        STAGE,
         convert_color=lambda rgb, space: (space, *rgb),
     )
     (node,) = delegate.told["/world/looks/textured"]["mtlx"]["nodes"]
@@ -282,24 +240,6 @@ def test_payloads_are_replaced_as_references_are(looks):
     value = '<input name="metalness" type="float" value="0.75"/>'
     nodes, *_ = networks_of(looks, SURFACE.format(value, ""), stage)
     assert nodes["surface"]["parameters"]["metalness"] == 0.125
-
-
-def test_materials_inside_instances_are_said(looks):
-    stage = """
-def Xform "source" {
-    def "looks" (
-        references = @./m.mtlx@</MaterialX/Materials>
-    ) {
-    }
-}
-def Xform "i" (
-    instanceable = true
-    references = </source>
-) {
-}
-"""
-    _, diagnostics = looks(DOCUMENT, stage)
-    assert [(d.code, d.location) for d in diagnostics] == [("mtlx-reference-unsupported", "/i/looks")]
 
 
 def test_other_references_of_the_prim_stay_stronger(looks):

@@ -198,6 +198,7 @@ class Render:
 
     def prepare(self) -> None:
         """Tells the renderer the scene at the frame. `start` does it where it was not done."""
+        from .mtlx import replace_references
         from .stage import usd_warnings
         from .stage_adapters.context import Options
         from .stage_adapters.lights import emit_camera_light
@@ -217,6 +218,7 @@ class Render:
         self._sink.begin()
         transform = self._sync_camera(purposes)
         with usd_warnings(self.path, self.diagnostics):
+            replace_references(self.stage, self.diagnostics)  # a variant may have brought another file
             translation = translate(self.stage, options, self._sink, self.diagnostics)
         shines = translation.light_count > 0 or translation.has_emission
         if self._camera_light or (self._camera_light is None and not shines):

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright the hdWavefront authors
-"""Opens stages: population mask, session layer, materials in .mtlx files where this pxr cannot read them."""
+"""Opens stages: population mask, session layer, materials in .mtlx files."""
 
 from __future__ import annotations
 
@@ -33,11 +33,13 @@ def usd_warnings(path: str, diagnostics: Diagnostics) -> Iterator[None]:
     try:
         yield
     finally:
-        warnings = [str(w.commentary) for w in listener.TakeUncoalescedDiagnostics()]
+        # UsdMtlx's own complaints do not count: mtlx/ reads those files, and says what is wrong with them.
+        taken = [w for w in listener.TakeUncoalescedDiagnostics() if "/usdMtlx/" not in w.sourceFileName]
+        warnings = [str(w.commentary) for w in taken]
         del listener
         for warning in warnings:
             text = " ".join(warning.split())
-            if ".mtlx" not in text:  # those files are read by mtlx.py, which says what is wrong with them
+            if ".mtlx" not in text:
                 diagnostics.warning("usd-warning", path, text.split(" (instantiating stage")[0])
 
 
@@ -54,7 +56,7 @@ def open_stage(
     import_pxr()
     from pxr import Sdf, Tf, Usd
 
-    from .mtlx import author_missing_mtlx
+    from .mtlx import replace_references
 
     root = _find_layer(path, "stage")
     session = (
@@ -72,7 +74,7 @@ def open_stage(
             raise HdWavefrontError(f"The stage {path} cannot be opened: {_reason(error)}") from None
         if not stage:
             raise HdWavefrontError(f"The stage {path} cannot be opened.")
-        author_missing_mtlx(stage, diagnostics)
+        replace_references(stage, diagnostics)
     for item in population.GetPaths():
         if not stage.GetPrimAtPath(item):
             diagnostics.warning("mask-empty", item, "--mask names this path, but there is no prim")

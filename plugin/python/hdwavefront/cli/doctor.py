@@ -109,14 +109,6 @@ def _usd(report: _Report) -> None:
     usd = import_pxr()
     report.line("OpenUSD", ".".join(str(x) for x in usd.GetVersion()))
     report.line("pxr", os.path.dirname(os.path.dirname(usd.__file__)))
-    try:
-        from pxr import UsdMtlx  # noqa: F401
-
-        report.line("UsdMtlx", "yes")
-    except ImportError:
-        report.line(
-            "UsdMtlx", "no (references to .mtlx files are converted by the materialx package where it is installed)"
-        )
 
 
 def _hydra(report: _Report) -> None:
