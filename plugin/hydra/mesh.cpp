@@ -7,6 +7,7 @@
 
 #include "plugin/hydra/convert_mesh.h"
 #include "plugin/hydra/convert_value.h"
+#include "plugin/hydra/implicit_mesh.h"
 #include "plugin/hydra/render_param.h"
 
 namespace hydra {
@@ -18,8 +19,10 @@ HdDirtyBits Mesh::GetInitialDirtyBitsMask() const {
 
 void Mesh::Sync(HdSceneDelegate* sceneDelegate, HdRenderParam* renderParam, HdDirtyBits* dirtyBits, const TfToken&) {
   const SdfPath& id = GetId();
-  const HdDirtyBits bits = *dirtyBits;
   Prologue(sceneDelegate, renderParam, dirtyBits);
+  const HdDirtyBits bits = FindShape(*sceneDelegate, Param(renderParam), *dirtyBits);
+  *dirtyBits = HdChangeTracker::Clean;
+  if (shape_) return SyncShape(*sceneDelegate, Param(renderParam), bits);
   delegate::MeshUpdate update;
   VtValue points;
   ReadCommon(*sceneDelegate, Param(renderParam), *this, bits, update, &points);
@@ -37,7 +40,38 @@ void Mesh::Sync(HdSceneDelegate* sceneDelegate, HdRenderParam* renderParam, HdDi
   if (HdChangeTracker::IsDisplayStyleDirty(bits, id))
     update.refineLevel = sceneDelegate->GetDisplayStyle(id).refineLevel;
   Param(renderParam).Edit(id, std::move(update));
-  *dirtyBits = HdChangeTracker::Clean;
+}
+
+HdDirtyBits Mesh::FindShape(HdSceneDelegate& sceneDelegate, RenderParam& param, HdDirtyBits bits) {
+  const SdfPath& id = GetId();
+  const bool topologyDirty = HdChangeTracker::IsTopologyDirty(bits, id);
+  if (topologyDirty) topologyOf_ = ShapeOfTopology(sceneDelegate.GetMeshTopology(id));
+  // An edit of radius or size arrives as dirty points.
+  if (!topologyDirty && !HdChangeTracker::IsPrimvarDirty(bits, id, HdTokens->points)) return bits;
+  std::optional<delegate::ImplicitInput> shape;
+  if (topologyOf_)
+    shape = RecognizeImplicit(*topologyOf_, sceneDelegate.Get(id, HdTokens->points),
+                              [&](const TfToken& name) { return sceneDelegate.Get(id, name); });
+  const bool turned = shape.has_value() != shape_.has_value();
+  shape_ = std::move(shape);
+  if (!turned) return bits;
+  param.core().DestroyRprim(id.GetString());
+  return bits | GetInitialDirtyBitsMask();
+}
+
+void Mesh::SyncShape(HdSceneDelegate& sceneDelegate, RenderParam& param, HdDirtyBits bits) {
+  delegate::ImplicitUpdate update;
+  ReadCommon(sceneDelegate, param, *this, bits, update);
+  update.shape = shape_;
+  param.Edit(GetId(), std::move(update));
+}
+
+void Mesh::UpdateRenderTag(HdSceneDelegate* sceneDelegate, HdRenderParam* renderParam) {
+  if (!shape_) return Rprim<HdMesh, delegate::MeshUpdate>::UpdateRenderTag(sceneDelegate, renderParam);
+  HdRprim::UpdateRenderTag(sceneDelegate, renderParam);
+  delegate::ImplicitUpdate update;
+  update.renderTag = GetRenderTag().GetString();
+  Param(renderParam).Edit(GetId(), std::move(update));
 }
 
 }  // namespace hydra
