@@ -11,6 +11,17 @@
 #include "plugin/hydra/render_param.h"
 
 namespace hydra {
+namespace {
+
+bool IsBoundToJoints(HdSceneDelegate& sceneDelegate, const SdfPath& id) {
+  static const TfToken jointIndices("skel:jointIndices");
+  for (int i = 0; i < HdInterpolationInstance; ++i)
+    for (const auto& primvar : sceneDelegate.GetPrimvarDescriptors(id, static_cast<HdInterpolation>(i)))
+      if (primvar.name == jointIndices) return true;
+  return false;
+}
+
+}  // namespace
 
 HdDirtyBits Mesh::GetInitialDirtyBitsMask() const {
   return CommonDirtyBits() | HdChangeTracker::DirtyTopology | HdChangeTracker::DirtySubdivTags |
@@ -26,6 +37,11 @@ void Mesh::Sync(HdSceneDelegate* sceneDelegate, HdRenderParam* renderParam, HdDi
   delegate::MeshUpdate update;
   VtValue points;
   ReadCommon(*sceneDelegate, Param(renderParam), *this, bits, update, &points);
+  // UsdSkelImaging has had scene indices since 25.05 only.
+  if (update.primvars && points.IsEmpty() && IsBoundToJoints(*sceneDelegate, id))
+    Param(renderParam).Report(wavefront::Severity::Warning, "skinning-unsupported", id,
+                              "this OpenUSD hands over no skinning in scene-index mode; the mesh is drawn in its rest "
+                              "pose");
   // Subsets come with the topology and name materials of their own, or wear the prim's.
   if (HdChangeTracker::IsTopologyDirty(bits, id) || bits & HdChangeTracker::DirtySubdivTags ||
       bits & HdChangeTracker::DirtyMaterialId) {
