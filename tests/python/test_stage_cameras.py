@@ -4,10 +4,13 @@
 
 from __future__ import annotations
 
+import math
+
+import numpy as np
 import pytest
 from hdwavefront.errors import Diagnostics
 from hdwavefront.stage_adapters import camera as cameras
-from pxr import Sdf, Usd
+from pxr import Gf, Sdf, Usd
 
 ATTRIBUTES = {
     "projection": ('token projection = "orthographic"', "orthographic"),
@@ -170,3 +173,12 @@ def test_the_free_camera_clips_nothing_of_the_stage():
 
 def test_the_free_camera_of_an_empty_stage():
     assert free("")[1] == pytest.approx((0, 0, 2**0.5 / (20.955 / 2 / 50) + 1), rel=1e-5)
+
+
+def test_the_free_camera_counts_in_single_precision():
+    """As usdrecord does: the same picture to the bit."""
+    _, position = free(CUBE.replace("SIZE", "2.2"))
+    radius = np.float32(math.sqrt(2 * 1.1**2))
+    angle = np.float32(Gf.Camera().GetFieldOfView(Gf.Camera.FOVHorizontal) / 2)
+    distance = np.float32(np.float32(float(radius) / math.tan(math.radians(float(angle)))) + 1.1)
+    assert position == (0, 0, float(distance))

@@ -132,23 +132,33 @@ def _is_sane(extent: Gf.Range3d) -> bool:
     return all(math.isfinite(x) and abs(x) < _MAX_COORDINATE for x in (*extent.GetMin(), *extent.GetMax()))
 
 
+def _single(value: float) -> float:
+    return float(np.float32(value))
+
+
 def free_camera(stage: Usd.Stage, time: Usd.TimeCode, purposes: frozenset[str]) -> tuple[Update, np.ndarray]:
-    """Params and transform of a 50 mm camera that frames the stage, by the rule of OpenUSD's usdrecord."""
+    """Params and transform of a 50 mm camera that frames the stage, by the rule of OpenUSD's usdrecord.
+
+    It counts in single precision and passes the camera on as matrices; so does this, for the same picture to the bit.
+    """
     camera = Gf.Camera()
     center, size = _stage_bound(stage, time, purposes)
     y_up = UsdGeom.GetStageUpAxis(stage) == UsdGeom.Tokens.y
     plane = Gf.Vec2d(size[0], size[1] if y_up else size[2]) / 2
-    half_angle = math.radians(camera.GetFieldOfView(Gf.Camera.FOVHorizontal)) / 2
-    distance = plane.GetLength() / math.tan(half_angle) + (size[2] if y_up else size[1]) / 2
+    radius = _single(math.sqrt(Gf.Dot(plane, plane)))
+    half_angle = math.radians(_single(camera.GetFieldOfView(Gf.Camera.FOVHorizontal) / 2))
+    distance = _single(_single(radius / math.tan(half_angle)) + (size[2] if y_up else size[1]) / 2)
     near = 1.0
     if distance < near:
-        distance += near
+        distance = _single(distance + near)
     transform = Gf.Matrix4d(1)
     if y_up:
         transform.SetTranslate(center + Gf.Vec3d(0, 0, distance))
     else:
         transform.SetRotate(Gf.Rotation(Gf.Vec3d(1, 0, 0), 90))
         transform.SetTranslateOnly(center + Gf.Vec3d(0, -distance, 0))
+    camera.transform = transform
+    transform = camera.frustum.ComputeViewMatrix().GetInverse()
     params: Update = {
         "projection": "perspective",
         "horizontalAperture": float(camera.horizontalAperture),
