@@ -66,6 +66,10 @@ bool NodeEvaluator::AddLobe(Port* result, std::string_view kind, std::vector<Id>
     isAnisotropic = alpha.op->name != "isotropic_alpha" &&
                     !(alpha.rate == Class::Literal && alpha.value[0] == alpha.value[1]) &&
                     !(alpha.op->name == "construct" && alpha.arguments.size() == 1);
+    if (!isAnisotropic) {
+      const Id one = e_.Make("swizzle", Type::Float, {arguments.back()}, "x");
+      arguments.back() = e_.Make("one_alpha", Type::Vec2, {one});
+    }
   }
   arguments.insert(arguments.begin(), FrameOf(isAnisotropic));
   lobe.kind = Bsdf::Kind::Lobe;

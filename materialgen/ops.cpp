@@ -149,6 +149,8 @@ const Op kOps[] = {
     {"artistic_extinction", "patternArtisticExtinction($0, $1)", ArtisticExtinction},
     {"schlick", "patternSchlick($0, $1, $2, sp.wo)"},
     {"cone", "patternCone($0, $1, $2, sp.wo)"},
+    // Never folded into a vector: that both components are one value lets the compiler drop what anisotropy needs.
+    {"one_alpha", "vec2($0)"},
     {"faced_ior", "sp.frontFacing ? $0 : 1.0 / $0", nullptr, nullptr, true},
     // What a material reads at a hit. The text of a primvar reader is the primvar's name.
     {"position_world", "sp.positionWorld"}, {"position_object", "sp.positionObject"},

@@ -241,9 +241,9 @@ void Printer::Print(Id id) {
     const LobeKind& kind = FindLobe(expression.text);
     lobeFiles_.insert(expression.text);
     const std::string name = "l" + std::to_string(lobes_++);
-    std::string list;
     const std::vector<std::string> a = Arguments(expression);
-    for (size_t i = 1; i < a.size(); ++i) list += (i > 1 ? ", " : "") + a[i];
+    std::string list = "o" + a[0];
+    for (size_t i = 1; i < a.size(); ++i) list += ", " + a[i];
     body_ +=
         "  " + std::string(kind.structure) + " " + name + " = " + std::string(kind.function) + "Make(" + list + ");\n";
     texts_[id] = {name};

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright the hdWavefront authors
-"""Fits the polynomials of wavefront/kernels/lib/bsdf/{ggx_albedo,sheen_albedo}.glsl and prints them as GLSL.
+"""Fits the functions of wavefront/kernels/lib/bsdf/{ggx_albedo,sheen_albedo}.glsl and prints their numbers.
 
 Needs numpy and scipy; some minutes. Run it after a change of the microfacet model, paste, and run tests/kernels.
 Everything is fitted to quadrature: visible normals on a regular grid for GGX, Gauss-Legendre for sheen.
@@ -16,7 +16,6 @@ from scipy.optimize import least_squares
 MUS = np.concatenate([[0.001, 0.004, 0.01, 0.02, 0.035], np.linspace(0.05, 1, 24)])
 ALPHAS = np.concatenate([[0.001, 0.003, 0.01, 0.02, 0.03, 0.045, 0.06, 0.08], np.linspace(0.1, 1, 19)])
 OUTER = np.array([1.05, 1.1, 1.2, 1.33, 1.5, 1.7, 2, 2.5, 3, 4])
-INNER = np.array([1 / 3, 0.4, 0.5, 1 / 1.8, 1 / 1.5, 1 / 1.33, 0.85, 0.95])
 POWERS = (2.0, 5.0, 10.0)  # (1 - cos)^p: Schlick
 
 
@@ -46,8 +45,8 @@ def visible_normals(mu: float, alpha: float, n: int = 160) -> tuple[np.ndarray, 
 
 
 def measure() -> dict[str, np.ndarray]:
-    """Per (mu, alpha): E; mean, deviation, skew of the cosine; per index R, compensated R, T; per power its mean."""
-    rows: dict[str, list] = {k: [] for k in ("e", "moments", "r", "rc", "r_outer", "t_outer", "t_inner", "power")}
+    """Per (mu, alpha): E; mean, deviation, skew of the cosine; per index R, compensated R; per power its mean."""
+    rows: dict[str, list] = {k: [] for k in ("e", "moments", "rc", "r_outer", "power")}
     for mu in MUS:
         for alpha in ALPHAS:
             mz, c = visible_normals(mu, alpha)
@@ -66,13 +65,6 @@ def measure() -> dict[str, np.ndarray]:
             rows["r_outer"].append([(w * x).sum() for x in f])
             rows["rc"].append([(w * x * (1 + x * (1 - e) / e)).sum() for x in f])
             rows["power"].append([(w * (1 - c) ** p).sum() for p in POWERS])
-            for key, indices in (("t_outer", OUTER), ("t_inner", INNER)):
-                refracted = []
-                for n in indices:
-                    g2 = c * c + n * n - 1
-                    z = -((c - np.sqrt(np.maximum(g2, 0))) * mz - mu) / n
-                    refracted.append((masked(np.where(g2 > 0, z, -1)) * (1 - fresnel(c, n))).sum())
-                rows[key].append(refracted)
     return {k: np.array(v) for k, v in rows.items() if v}
 
 
@@ -145,29 +137,60 @@ def fit_nodes(data: dict[str, np.ndarray]) -> np.ndarray:
     return found.reshape(3, n)
 
 
-def fit_inner(data: dict[str, np.ndarray]) -> np.ndarray:
-    """(shift, smear, loss) x (1, eta) x coefficients of ggxInnerTransmission."""
-    basis = tensor(1, 1)
-    target = data["t_inner"]
+def anisotropic(mu: float, azimuth: float, wide: float, narrow: float, n: int = 40) -> float:
+    """Albedo for F = 1; azimuth 0: the view is in the plane of the greater alpha."""
+    sine = np.sqrt(1 - mu * mu)
+    wo = np.array([sine * np.cos(azimuth), sine * np.sin(azimuth), mu])
+    stretch = np.array([wide, narrow, 1])
+    w = stretch * wo / np.linalg.norm(stretch * wo)
+    phi, v = np.meshgrid((np.arange(2 * n) + 0.5) / n * np.pi, (np.arange(n) + 0.5) / n, indexing="ij")
+    z = (1 - v) * (1 + w[2]) - w[2]
+    r = np.sqrt(np.clip(1 - z * z, 0, 1))
+    m = stretch * np.stack([r * np.cos(phi) + w[0], r * np.sin(phi) + w[1], z + w[2]], -1)
+    m /= np.linalg.norm(m, axis=-1, keepdims=True)
+    wi = 2 * (m @ wo)[..., None] * m - wo
+    so = np.linalg.norm(stretch * wo)
+    si = np.linalg.norm(stretch * wi, axis=-1)
+    mask = wi[..., 2] * (mu + so) / np.maximum(wi[..., 2] * so + mu * si, 1e-12)
+    return float(np.where(wi[..., 2] > 0, mask, 0).mean())
 
-    def model(theta: np.ndarray) -> np.ndarray:
-        out = []
-        for n in INNER:
-            shift, smear, loss = ((basis @ row[0]) + n * (basis @ row[1]) for row in theta.reshape(3, 2, -1))
-            c = np.clip(MU + ALPHA * shift, 1e-3, 1)
-            w = np.abs(ALPHA * smear) + 1e-6
-            g2 = c * c + n * n - 1
-            g = np.sqrt((g2 + np.sqrt(g2 * g2 + w * w)) / 2)
-            rs, rp = (c - g) / (c + g), (n * n * c - g) / (n * n * c + g)
-            out.append((1 - (rs * rs + rp * rp) / 2) * np.clip(1 - ALPHA * loss, 0, 1))
-        return np.stack(out, 1)
 
-    theta = np.zeros(24)
-    theta[[0, 8]] = 0.3
-    theta = least_squares(lambda th: np.concatenate([(model(th) - target).ravel(), 1e-3 * th]), theta, max_nfev=80).x
-    error = np.abs(model(theta) - target)
-    print(f"// inner transmission: greatest error {error.max():.3f}, RMS {np.sqrt((error**2).mean()):.3f}")
-    return theta.reshape(3, 2, -1)
+UNITS = 12  # of the network
+
+
+def fit_anisotropic(albedo: Callable[[np.ndarray, np.ndarray], np.ndarray]) -> np.ndarray:
+    """Weights of the network of ggxAlbedo(wo, alpha): 6 rows of UNITS inputs, UNITS outputs, bias."""
+
+    def cases(seed: int, count: int) -> np.ndarray:
+        rng = np.random.default_rng(seed)
+        mu = rng.random(count) ** 1.5 * 0.99 + 0.005
+        azimuth = rng.uniform(0, np.pi / 2, count)
+        wide = rng.uniform(0.05, 1, count) ** 1.5
+        narrow = np.maximum(wide * rng.uniform(0.08, 1, count), 0.005)
+        values = [anisotropic(*row) for row in zip(mu, azimuth, wide, narrow, strict=True)]
+        return np.array([mu, azimuth, wide, narrow, values])
+
+    def error(weights: np.ndarray, rows: np.ndarray) -> np.ndarray:
+        mu, azimuth, wide, narrow, target = rows
+        inputs = [np.cos(azimuth) ** 2, mu / (mu + wide), mu / (mu + narrow), wide, narrow, np.ones_like(mu)]
+        hidden = np.stack(inputs, -1) @ weights[: 6 * UNITS].reshape(6, UNITS)
+        correction = (hidden / (1 + np.abs(hidden))) @ weights[6 * UNITS : 7 * UNITS] + weights[-1]
+        base = albedo(mu, np.sqrt((wide**2 + narrow**2) / 2))
+        return base * np.exp((1 - narrow / wide) * correction) / target - 1
+
+    train, test = cases(0, 7000), cases(1, 3000)
+
+    def asymmetric(weights: np.ndarray) -> np.ndarray:
+        off = error(weights, train) - 0.006
+        # An albedo that is too small makes energy.
+        return np.where(off < 0, 3, 1) * np.sign(off) * np.abs(off) ** 1.6
+
+    start = np.random.default_rng(3).normal(0, 0.7, 7 * UNITS + 1)
+    first = least_squares(lambda w: error(w, train), start, max_nfev=120).x
+    found = least_squares(asymmetric, first, max_nfev=100).x
+    low, high = np.quantile(error(found, test), (0.01, 0.99))
+    print(f"// anisotropic: relative error {low:.4f} to {high:.4f} (quantiles 0.01, 0.99)")
+    return found
 
 
 def sheen(mu: float, r: float, n: int = 256) -> float:
@@ -231,17 +254,21 @@ def horner(coefficients: np.ndarray, a: int, b: int) -> str:
 
 def main() -> None:
     data = measure()
-    print("ggxAlbedo:", horner(minimax(tensor(5, 3), data["e"], 1 / data["e"], 200), 5, 3))
+    fit = minimax(tensor(5, 3), data["e"], 1 / data["e"], 200)
+    print("ggxAlbedo:", horner(fit, 5, 3))
+
+    def isotropic(mu: np.ndarray, alpha: np.ndarray) -> np.ndarray:
+        t = mu / (mu + alpha)
+        powers = np.stack([t**i * alpha**j for i in range(6) for j in range(4)], -1)
+        return np.maximum(powers @ fit, 1 - (1 + alpha * (6 - alpha)) * (1 - t) ** 2)
+
     for name, row in zip(("c1", "c2", "s"), fit_nodes(data), strict=True):
         print(f"ggxMean {name}:", horner(row, 4, 2))
-    passing = 1 - data["r_outer"] / data["e"][:, None]
-    share = data["t_outer"] / np.maximum(passing, 1e-9)
-    basis = np.concatenate([tensor(2, 2)[:, None, :] * (OUTER**-p)[None, :, None] for p in (0.0, 1.0)], -1)
-    g = minimax(basis.reshape(-1, basis.shape[-1]), share.ravel(), passing.ravel(), 40)
-    for name, row in zip(("g0", "g1"), g.reshape(2, -1), strict=True):
-        print(f"ggxRefractedShare {name}:", horner(row, 2, 2))
-    for name, rows in zip(("shift", "smear", "loss"), fit_inner(data), strict=True):
-        print(f"ggxInnerTransmission {name}:", horner(rows[0], 1, 1), f"+ eta * ({horner(rows[1], 1, 1)})")
+    weights = fit_anisotropic(isotropic)
+    rows = weights[: 7 * UNITS].reshape(7, UNITS)[[5, 0, 1, 2, 3, 4, 6]]
+    for name, row in zip(("1", "azimuth", "t.x", "t.y", "wide", "narrow", "output"), rows, strict=True):
+        print(f"ggxAlbedo(wo, alpha) {name}:", ", ".join(f"{v:.6g}" for v in row))
+    print(f"bias: {weights[-1]:.6g}")
     terms_p, p, terms_q, q = fit_sheen()
     for name, terms, values in (("p", terms_p, p), ("q - 1", terms_q, q)):
         print(f"sheen {name}, powers of (x, y):", {t: float(f"{v:.6g}") for t, v in zip(terms, values, strict=True)})

@@ -10,6 +10,7 @@
 #include <map>
 #include <stdexcept>
 
+#include "wavefront/scene/interface_table.h"
 #include "wavefront/scene/light_table.h"
 #include "wavefront/scene/mip_chain.h"
 #include "wavefront/scene/texture_store.h"
@@ -139,6 +140,7 @@ nb::dict SceneTables(const std::vector<nb::dict>& lights, const std::vector<std:
 
 void bindScene(nb::module_& module) {
   module.def("scene_tables", &SceneTables, nb::arg("lights"), nb::arg("textures"), nb::arg("emissive"), nb::arg("scene_radius"), nb::arg("memory_budget") = 0);
+  module.def("interface_table", [] { return ToBytes(InterfaceTableTexels()); });
   module.def("halve_level", [](const nb::bytes& texels, uint32_t width, uint32_t height, const std::string& format) {
     const auto* first = reinterpret_cast<const uint8_t*>(texels.c_str());
     return ToBytes(HalveLevel({first, first + texels.size()}, width, height, format == "rgba8" ? TexelFormat::Rgba8Unorm : TexelFormat::Rgba16Float));

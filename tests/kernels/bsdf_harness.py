@@ -23,6 +23,8 @@ CELL_POINTS = 8  # midpoints per cell and axis
 _KERNEL = """
 #version 460
 #extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_samplerless_texture_functions : require
+layout(binding = 22) uniform utextureBuffer lobeTable;
 #include "lib/bsdf/{file}.glsl"
 layout(local_size_x = 64) in;
 layout(constant_id = 0) const uint kMode = 0;
@@ -43,8 +45,8 @@ void main() {{
   if (i >= count) return;
   uint config = kMode == 1 ? uint(points[i].w) : i / perConfig;
   vec4 a = params[config * 4], b = params[config * 4 + 1], c = params[config * 4 + 2], d = params[config * 4 + 3];
-  {struct} l = {name}Make({make});
   vec3 wo = views[config].xyz;
+  {struct} l = {name}Make(wo, {make});
   if (kMode == 0) {{
     vec3 u = vec3(pcg(uvec3(i, seed, 17u)) >> 8) * (1.0 / 16777216.0);
     vec3 wi = {name}Sample(l, wo, u);
@@ -97,6 +99,12 @@ def source(lobe_name: str, file: str, make: str) -> str:
     return _KERNEL.format(name=lobe_name, file=file, struct=struct, make=make)
 
 
+@functools.lru_cache(maxsize=1)
+def lobe_table(runner) -> dict[int, tuple[np.ndarray, str]]:
+    """The table that the library was built with, for the binding `lobeTable`."""
+    return {22: (np.frombuffer(runner._native.interface_table(), np.uint32), "rg32ui")}
+
+
 class Device:
     """The three ways to ask a lobe. params: (configs, 16); wo: (configs, 3)."""
 
@@ -120,6 +128,7 @@ class Device:
             ((count + 63) // 64,),
             push=np.array([count, per_config, seed], np.uint32).tobytes(),
             spec={0: mode},
+            texel=lobe_table(self.runner),
         )
         return out[1], out[2]
 

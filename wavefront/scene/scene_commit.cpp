@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "wavefront/base/parallel.h"
+#include "wavefront/scene/interface_table.h"
 #include "wavefront/shared/scene_layout.h"
 
 namespace wavefront {
@@ -90,7 +91,8 @@ SceneStore::SceneStore(vulkan::Device& device)
       bindings_(device, "binding records", MemoryKind::Materials, 16),
       lightRecords_(device, "light records", MemoryKind::Tables, 16 * layout::kLightTexels),
       lightItems_(device, "light items", MemoryKind::Tables, 16),
-      lightDistribution_(device, "light distribution", MemoryKind::Tables, 4) {}
+      lightDistribution_(device, "light distribution", MemoryKind::Tables, 4),
+      lobeTable_(device, "lobe table", MemoryKind::Tables, 8) {}
 
 uint32_t SceneStore::CreateInstances(InstanceData data) {
   std::lock_guard lock(mutex_);
@@ -364,6 +366,7 @@ void SceneStore::WriteLightShapes(Rebuild& b) {
 }
 
 Status SceneStore::UploadRebuild(const Rebuild& b, uint32_t threads) {
+  if (Status s = UploadLobeTable(); !s) return s;
   const bvh::InstanceBvh tlas = bvh::BuildInstanceBvh(b.bounds, {threads});
   const LightTable& lights = b.lights;
   instanceRange_ = instances_.Allocate(b.bounds.size());
@@ -390,6 +393,15 @@ Status SceneStore::UploadRebuild(const Rebuild& b, uint32_t threads) {
   return {};
 }
 
+// What lobes look up does not depend on the scene.
+Status SceneStore::UploadLobeTable() {
+  if (lobeTable_.buffer() != nullptr) return {};
+  const std::vector<uint32_t> texels = InterfaceTableTexels();
+  const Range range = lobeTable_.Allocate(texels.size() / 2);
+  if (Status s = lobeTable_.Fit(); !s) return s;
+  return lobeTable_.Write<uint32_t>(range, texels);
+}
+
 Status SceneStore::Bind(vulkan::DescriptorSet& set) {
   using vulkan::Format;
   struct Row { uint32_t binding; Stream* stream; Format format; };
@@ -397,7 +409,7 @@ Status SceneStore::Bind(vulkan::DescriptorSet& set) {
                          {11, &geometry.meshRecords, Format::Rgba32Uint}, {12, &geometry.indices, Format::R32Uint}, {13, &geometry.primvars, Format::R32Float},
                          {14, &bindings_, Format::Rgba32Uint}, {15, &materials.parameters, Format::Rgba32Float}, {16, &lightRecords_, Format::Rgba32Float},
                          {17, &lightItems_, Format::Rgba32Uint}, {18, &lightDistribution_, Format::R32Float}, {19, &textures.records, Format::Rgba32Uint},
-                         {20, &textures.pageTable, Format::R32Uint}, {21, &textures.pages, Format::Rg32Uint}}) {
+                         {20, &textures.pageTable, Format::R32Uint}, {21, &textures.pages, Format::Rg32Uint}, {22, &lobeTable_, Format::Rg32Uint}}) {
     if (row.stream->buffer() == nullptr) continue;
     if (Status s = set.WriteTexels(row.binding, *row.stream->buffer(), row.format); !s) return s;
   }

@@ -58,6 +58,7 @@ class SceneStore {
   Status GatherEmission(Rebuild& b);
   void WriteMeshInstances(Rebuild& b, uint32_t threads, const DiagnosticSink& sink);
   void WriteLightShapes(Rebuild& b);
+  Status UploadLobeTable();
   Status UploadRebuild(const Rebuild& b, uint32_t threads);
   uint32_t BindingFor(const InstanceData& group, const ResidentMesh& mesh, uint32_t slot, uint64_t instancePrimvarKey,
                       const std::map<std::string, PrimvarDescriptor>& instancePrimvars, bool* opaque, bool* emissive);
@@ -71,6 +72,7 @@ class SceneStore {
   std::vector<std::string> primvarAovs_;
 
   Stream instances_, bindings_, lightRecords_, lightItems_, lightDistribution_;
+  Stream lobeTable_;  // written once
   Range instanceRange_, bindingRange_, bindingIndexRange_, instancePrimvarRange_, tlasRange_, lightRange_, itemRange_, distributionRange_;
   std::vector<uint32_t> bindingTexels_;                 // being built
   std::map<std::vector<uint64_t>, uint32_t> bindingCache_;  // while building

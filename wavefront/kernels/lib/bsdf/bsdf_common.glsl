@@ -3,7 +3,9 @@
 //
 // What every lobe shares. A lobe `foo` (a row of wavefront/shared/bsdfs.def) is a struct FooLobe and
 //
-//   FooLobe fooMake(...)                        MaterialX inputs in document order; clamps, NaN becomes a legal value
+//   FooLobe fooMake(vec3 wo, ...)               MaterialX inputs in document order; clamps, NaN becomes a legal value;
+//                                               what depends on wo alone is computed here, once: the others are called
+//                                               with the same wo
 //   vec4 fooEval(FooLobe l, vec3 wo, vec3 wi)   rgb = f |cos wi|, a = solid-angle pdf of fooSample(wo) at wi; 0 where
 //                                               invalid
 //   vec3 fooSample(FooLobe l, vec3 wo, vec3 u)  unit wi for u in [0,1)^3; vec3(0): the sample is lost, and its mass is

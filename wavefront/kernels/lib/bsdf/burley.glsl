@@ -13,7 +13,7 @@ struct BurleyLobe {
     float roughness;
 };
 
-BurleyLobe burleyMake(vec3 color, float roughness)
+BurleyLobe burleyMake(vec3 wo, vec3 color, float roughness)
 {
     return BurleyLobe(bsdfClamp(color, 0.0, 1.0), bsdfClamp(roughness, 0.0, 1.0));
 }

@@ -13,11 +13,13 @@ struct ConductorLobe {
     vec3 ior;
     vec3 extinction;
     vec2 alpha;
+    float loss; // see ggxLoss
 };
 
-ConductorLobe conductorMake(vec3 ior, vec3 extinction, vec2 roughness)
+ConductorLobe conductorMake(vec3 wo, vec3 ior, vec3 extinction, vec2 roughness)
 {
-    return ConductorLobe(bsdfClamp(ior, 1e-3, 1e3), bsdfClamp(extinction, 0.0, 1e3), ggxAlpha(roughness));
+    vec2 alpha = ggxAlpha(roughness);
+    return ConductorLobe(bsdfClamp(ior, 1e-3, 1e3), bsdfClamp(extinction, 0.0, 1e3), alpha, ggxLoss(wo, alpha));
 }
 
 vec4 conductorEval(ConductorLobe l, vec3 wo, vec3 wi)
@@ -27,7 +29,7 @@ vec4 conductorEval(ConductorLobe l, vec3 wo, vec3 wi)
     wi.z *= side;
     vec3 g = ggxReflection(wo, wi, l.alpha);
     vec3 f = fresnelConductor(g.z, l.ior, l.extinction);
-    return vec4((g.x * g.y) * ggxCompensate(f, ggxAlbedo(wo.z, ggxMeanAlpha(l.alpha))), g.x);
+    return vec4((g.x * g.y) * ggxCompensate(f, l.loss), g.x);
 }
 
 vec3 conductorSample(ConductorLobe l, vec3 wo, vec3 u)
@@ -40,10 +42,10 @@ vec3 conductorSample(ConductorLobe l, vec3 wo, vec3 u)
 
 vec3 conductorAlbedo(ConductorLobe l, vec3 wo)
 {
-    GgxMean mean = ggxMean(abs(wo.z), ggxViewAlpha(wo, l.alpha));
+    GgxMean mean = ggxMean(wo, l.alpha);
     vec3 fx = fresnelConductor(mean.cosine.x, l.ior, l.extinction);
     vec3 fy = fresnelConductor(mean.cosine.y, l.ior, l.extinction);
-    return ggxCompensatedAlbedo(mean, ggxAlbedo(abs(wo.z), ggxMeanAlpha(l.alpha)), fx, fy);
+    return ggxCompensatedAlbedo(mean, l.loss, fx, fy);
 }
 
 vec3 conductorThroughput(ConductorLobe l, vec3 wo) { return vec3(0.0); }

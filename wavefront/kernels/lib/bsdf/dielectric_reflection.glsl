@@ -10,17 +10,23 @@
 #define WAVEFRONT_BSDF_DIELECTRIC_REFLECTION_GLSL
 #include "fresnel.glsl"
 #include "ggx_albedo.glsl"
+#include "interface_table.glsl"
 #include "microfacet.glsl"
 
 struct DielectricReflectionLobe {
     vec3 tint;
     float ior;
     vec2 alpha;
+    float loss;      // see ggxLoss
+    float reflected; // albedo without tint
 };
 
-DielectricReflectionLobe dielectricReflectionMake(vec3 tint, float ior, vec2 roughness)
+DielectricReflectionLobe dielectricReflectionMake(vec3 wo, vec3 tint, float ior, vec2 roughness)
 {
-    return DielectricReflectionLobe(bsdfClamp(tint, 0.0, 1.0), bsdfClamp(ior, 1e-3, 1e3), ggxAlpha(roughness));
+    vec2 alpha = ggxAlpha(roughness);
+    float n = bsdfClamp(ior, 0.01, 100.0);
+    float reflected = ggxInterface(abs(wo.z), ggxViewAlpha(wo, alpha), n).reflected;
+    return DielectricReflectionLobe(bsdfClamp(tint, 0.0, 1.0), n, alpha, ggxLoss(wo, alpha), reflected);
 }
 
 vec4 dielectricReflectionEval(DielectricReflectionLobe l, vec3 wo, vec3 wi)
@@ -30,7 +36,7 @@ vec4 dielectricReflectionEval(DielectricReflectionLobe l, vec3 wo, vec3 wi)
     wi.z *= side;
     vec3 g = ggxReflection(wo, wi, l.alpha);
     float f = fresnelDielectric(g.z, l.ior);
-    return vec4(l.tint * (g.x * g.y * ggxCompensate(f, ggxAlbedo(wo.z, ggxMeanAlpha(l.alpha)))), g.x);
+    return vec4(l.tint * (g.x * g.y * ggxCompensate(f, l.loss)), g.x);
 }
 
 vec3 dielectricReflectionSample(DielectricReflectionLobe l, vec3 wo, vec3 u)
@@ -41,25 +47,8 @@ vec3 dielectricReflectionSample(DielectricReflectionLobe l, vec3 wo, vec3 u)
     return vec3(wi.xy, wi.z * side);
 }
 
-float dielectricReflectionUntinted(DielectricReflectionLobe l, vec3 wo)
-{
-    float cosO = abs(wo.z);
-    float a = ggxViewAlpha(wo, l.alpha);
-    GgxMean mean = ggxMean(cosO, a);
-    vec2 f = vec2(fresnelDielectric(mean.cosine.x, l.ior), fresnelDielectric(mean.cosine.y, l.ior));
-    // With a critical angle (ior < 1) the two cosines say too little.
-    f = l.ior < 1.0 ? vec2(1.0 - ggxInnerTransmission(cosO, a, l.ior).x) : f;
-    return ggxCompensatedAlbedo(mean, ggxAlbedo(cosO, ggxMeanAlpha(l.alpha)), f);
-}
+vec3 dielectricReflectionAlbedo(DielectricReflectionLobe l, vec3 wo) { return l.tint * l.reflected; }
 
-vec3 dielectricReflectionAlbedo(DielectricReflectionLobe l, vec3 wo)
-{
-    return l.tint * dielectricReflectionUntinted(l, wo);
-}
-
-vec3 dielectricReflectionThroughput(DielectricReflectionLobe l, vec3 wo)
-{
-    return vec3(clamp(1.0 - dielectricReflectionUntinted(l, wo), 0.0, 1.0));
-}
+vec3 dielectricReflectionThroughput(DielectricReflectionLobe l, vec3 wo) { return vec3(1.0 - l.reflected); }
 
 #endif

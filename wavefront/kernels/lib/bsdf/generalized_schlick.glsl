@@ -12,11 +12,20 @@
 struct GeneralizedSchlickLobe {
     SchlickFresnel fresnel;
     vec2 alpha;
+    float loss; // see ggxLoss
+    vec3 reflected;
 };
 
-GeneralizedSchlickLobe generalizedSchlickMake(vec3 color0, vec3 color82, vec3 color90, float exponent, vec2 roughness)
+GeneralizedSchlickLobe generalizedSchlickMake(vec3 wo, vec3 color0, vec3 color82, vec3 color90, float exponent,
+                                              vec2 roughness)
 {
-    return GeneralizedSchlickLobe(schlickFresnelMake(color0, color82, color90, exponent), ggxAlpha(roughness));
+    SchlickFresnel s = schlickFresnelMake(color0, color82, color90, exponent);
+    vec2 alpha = ggxAlpha(roughness);
+    float loss = ggxLoss(wo, alpha);
+    GgxMean mean = ggxMean(wo, alpha);
+    vec3 reflected = ggxCompensatedAlbedo(mean, loss, fresnelSchlick(mean.cosine.x, s),
+                                          fresnelSchlick(mean.cosine.y, s));
+    return GeneralizedSchlickLobe(s, alpha, loss, reflected);
 }
 
 vec4 generalizedSchlickEval(GeneralizedSchlickLobe l, vec3 wo, vec3 wi)
@@ -25,8 +34,7 @@ vec4 generalizedSchlickEval(GeneralizedSchlickLobe l, vec3 wo, vec3 wi)
     wo.z *= side;
     wi.z *= side;
     vec3 g = ggxReflection(wo, wi, l.alpha);
-    vec3 f = fresnelSchlick(g.z, l.fresnel);
-    return vec4((g.x * g.y) * ggxCompensate(f, ggxAlbedo(wo.z, ggxMeanAlpha(l.alpha))), g.x);
+    return vec4((g.x * g.y) * ggxCompensate(fresnelSchlick(g.z, l.fresnel), l.loss), g.x);
 }
 
 vec3 generalizedSchlickSample(GeneralizedSchlickLobe l, vec3 wo, vec3 u)
@@ -37,17 +45,11 @@ vec3 generalizedSchlickSample(GeneralizedSchlickLobe l, vec3 wo, vec3 u)
     return vec3(wi.xy, wi.z * side);
 }
 
-vec3 generalizedSchlickAlbedo(GeneralizedSchlickLobe l, vec3 wo)
-{
-    GgxMean mean = ggxMean(abs(wo.z), ggxViewAlpha(wo, l.alpha));
-    vec3 fx = fresnelSchlick(mean.cosine.x, l.fresnel);
-    vec3 fy = fresnelSchlick(mean.cosine.y, l.fresnel);
-    return ggxCompensatedAlbedo(mean, ggxAlbedo(abs(wo.z), ggxMeanAlpha(l.alpha)), fx, fy);
-}
+vec3 generalizedSchlickAlbedo(GeneralizedSchlickLobe l, vec3 wo) { return l.reflected; }
 
 vec3 generalizedSchlickThroughput(GeneralizedSchlickLobe l, vec3 wo)
 {
-    return vec3(clamp(1.0 - bsdfMean(generalizedSchlickAlbedo(l, wo)), 0.0, 1.0));
+    return vec3(clamp(1.0 - bsdfMean(l.reflected), 0.0, 1.0));
 }
 
 #endif

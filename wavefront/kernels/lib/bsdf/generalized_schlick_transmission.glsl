@@ -9,39 +9,42 @@
 struct GeneralizedSchlickTransmissionLobe {
     SchlickFresnel fresnel;
     vec2 alpha;
-    float ior;
+    float eta; // index beyond / index on wo's side
+    float gain;
+    vec3 transmitted;
 };
 
-GeneralizedSchlickTransmissionLobe generalizedSchlickTransmissionMake(vec3 color0, vec3 color82, vec3 color90,
+GeneralizedSchlickTransmissionLobe generalizedSchlickTransmissionMake(vec3 wo, vec3 color0, vec3 color82, vec3 color90,
                                                                       float exponent, vec2 roughness)
 {
     SchlickFresnel s = schlickFresnelMake(color0, color82, color90, exponent);
-    return GeneralizedSchlickTransmissionLobe(s, ggxAlpha(roughness), schlickIndex(s));
+    vec2 alpha = ggxAlpha(roughness);
+    float n = schlickIndex(s);
+    float eta = wo.z < 0.0 ? 1.0 / n : n;
+    GgxInterface i = ggxInterface(abs(wo.z), ggxViewAlpha(wo, alpha), eta);
+    vec3 reflected = schlickReflected(wo, alpha, ggxLoss(wo, alpha), eta, i.reflected, s);
+    return GeneralizedSchlickTransmissionLobe(s, alpha, eta, i.gain, vec3(1.0) - reflected);
 }
 
 vec4 generalizedSchlickTransmissionEval(GeneralizedSchlickTransmissionLobe l, vec3 wo, vec3 wi)
 {
     float side = bsdfSide(wo);
-    float eta = side > 0.0 ? l.ior : 1.0 / l.ior;
     wo.z *= side;
     wi.z *= side;
-    vec3 g = ggxTransmission(wo, wi, l.alpha, eta);
-    return vec4((vec3(1.0) - fresnelSchlickInterface(g.z, eta, l.fresnel)) * (g.x * g.y), g.x);
+    vec3 g = ggxTransmission(wo, wi, l.alpha, l.eta);
+    vec3 f = fresnelSchlickInterface(g.z, l.eta, l.fresnel);
+    return vec4((vec3(1.0) - f) * (l.gain * g.x * g.y), g.x);
 }
 
 vec3 generalizedSchlickTransmissionSample(GeneralizedSchlickTransmissionLobe l, vec3 wo, vec3 u)
 {
     float side = bsdfSide(wo);
     wo.z *= side;
-    vec3 wi = ggxRefract(wo, ggxSampleNormal(wo, l.alpha, u.xy), side > 0.0 ? l.ior : 1.0 / l.ior);
+    vec3 wi = ggxRefract(wo, ggxSampleNormal(wo, l.alpha, u.xy), l.eta);
     return vec3(wi.xy, wi.z * side);
 }
 
-vec3 generalizedSchlickTransmissionAlbedo(GeneralizedSchlickTransmissionLobe l, vec3 wo)
-{
-    float eta = wo.z < 0.0 ? 1.0 / l.ior : l.ior;
-    return schlickAlbedo(wo, l.alpha, eta, l.fresnel)[1];
-}
+vec3 generalizedSchlickTransmissionAlbedo(GeneralizedSchlickTransmissionLobe l, vec3 wo) { return l.transmitted; }
 
 vec3 generalizedSchlickTransmissionThroughput(GeneralizedSchlickTransmissionLobe l, vec3 wo) { return vec3(0.0); }
 

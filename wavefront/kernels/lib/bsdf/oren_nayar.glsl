@@ -13,7 +13,7 @@ struct OrenNayarLobe {
     float b;
 };
 
-OrenNayarLobe orenNayarMake(vec3 color, float roughness)
+OrenNayarLobe orenNayarMake(vec3 wo, vec3 color, float roughness)
 {
     float sigma2 = bsdfSquare(bsdfClamp(roughness, 0.0, 1.0));
     float a = 1.0 - 0.5 * sigma2 / (sigma2 + 0.33);

@@ -18,7 +18,7 @@ struct OrenNayarCompensatedLobe {
     float invMissing; // 1 / (1 - average single-scattering albedo)
 };
 
-OrenNayarCompensatedLobe orenNayarCompensatedMake(vec3 color, float roughness)
+OrenNayarCompensatedLobe orenNayarCompensatedMake(vec3 wo, vec3 color, float roughness)
 {
     const float c1 = 0.5 - 2.0 / (3.0 * kBsdfPi);
     const float c2 = 2.0 / 3.0 - 28.0 / (15.0 * kBsdfPi);

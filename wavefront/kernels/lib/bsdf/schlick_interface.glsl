@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the hdWavefront authors
 //
-// What the refracting modes of generalized_schlick share: the index that its colour at normal incidence implies, and
-// the Fresnel term across the interface. As in MaterialX, refraction bends by the mean of color0.
+// What the refracting modes of generalized_schlick share: the index that its colour at normal incidence implies, the
+// Fresnel term across the interface, and its energy. As in MaterialX, refraction bends by the mean of color0.
 #ifndef WAVEFRONT_BSDF_SCHLICK_INTERFACE_GLSL
 #define WAVEFRONT_BSDF_SCHLICK_INTERFACE_GLSL
 #include "fresnel.glsl"
 #include "ggx_albedo.glsl"
+#include "interface_table.glsl"
 #include "microfacet.glsl"
 
 float schlickIndex(SchlickFresnel s)
@@ -23,18 +24,16 @@ vec3 fresnelSchlickInterface(float cosI, float eta, SchlickFresnel s)
     return cosT2 > 0.0 ? f : vec3(1.0);
 }
 
-// (reflection, refraction), uncompensated; as rough as ggxDielectricAlbedo.
-mat2x3 schlickAlbedo(vec3 wo, vec2 alpha, float eta, SchlickFresnel s)
+// Albedo of the compensated reflection; `reflected` is that of the dielectric of the same index. Refraction is scaled
+// as that dielectric's: R + T = 1 within 0.5 % where Schlick's curve is like a dielectric's (the default), within 3.5
+// % where it is not.
+vec3 schlickReflected(vec3 wo, vec2 alpha, float loss, float eta, float reflected, SchlickFresnel s)
 {
-    float cosO = abs(wo.z);
-    float a = ggxViewAlpha(wo, alpha);
-    GgxMean mean = ggxMean(cosO, a);
-    vec2 inner = ggxInnerTransmission(cosO, a, eta);
-    vec3 f = mean.share.x * fresnelSchlick(mean.cosine.x, s) + mean.share.y * fresnelSchlick(mean.cosine.y, s);
-    // From the inside: the dielectric's share, by the colour at normal incidence.
-    vec3 pass = eta > 1.0 ? vec3(1.0) - f : inner.x * (vec3(1.0) - s.f0) / max(1.0 - bsdfMean(s.f0), 0.1);
-    pass = min(pass, vec3(1.0));
-    return mat2x3((vec3(1.0) - pass) * mean.albedo, pass * (eta > 1.0 ? ggxRefractedShare(cosO, a, eta) : inner.y));
+    GgxMean mean = ggxMean(wo, alpha);
+    vec3 outer = ggxCompensatedAlbedo(mean, loss, fresnelSchlick(mean.cosine.x, s), fresnelSchlick(mean.cosine.y, s));
+    // From the inside two cosines do not catch the critical angle: the dielectric's, by the colour at normal incidence.
+    vec3 passing = (1.0 - reflected) * (vec3(1.0) - s.f0) / max(1.0 - bsdfMean(s.f0), 0.1);
+    return eta > 1.0 ? min(outer, vec3(1.0)) : vec3(1.0) - min(passing, vec3(1.0));
 }
 
 #endif

@@ -15,7 +15,7 @@ struct SheenContyKullaLobe {
     float roughness;
 };
 
-SheenContyKullaLobe sheenContyKullaMake(vec3 color, float roughness)
+SheenContyKullaLobe sheenContyKullaMake(vec3 wo, vec3 color, float roughness)
 {
     return SheenContyKullaLobe(bsdfClamp(color, 0.0, 1.0), bsdfClamp(roughness, 0.005, 1.0));
 }

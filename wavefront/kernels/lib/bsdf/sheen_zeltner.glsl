@@ -14,7 +14,7 @@ struct SheenZeltnerLobe {
     float roughness;
 };
 
-SheenZeltnerLobe sheenZeltnerMake(vec3 color, float roughness)
+SheenZeltnerLobe sheenZeltnerMake(vec3 wo, vec3 color, float roughness)
 {
     return SheenZeltnerLobe(bsdfClamp(color, 0.0, 1.0), bsdfClamp(roughness, 0.01, 1.0));
 }

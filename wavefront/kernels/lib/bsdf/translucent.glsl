@@ -10,7 +10,7 @@ struct TranslucentLobe {
     vec3 color;
 };
 
-TranslucentLobe translucentMake(vec3 color) { return TranslucentLobe(bsdfClamp(color, 0.0, 1.0)); }
+TranslucentLobe translucentMake(vec3 wo, vec3 color) { return TranslucentLobe(bsdfClamp(color, 0.0, 1.0)); }
 
 vec4 translucentEval(TranslucentLobe l, vec3 wo, vec3 wi)
 {
