@@ -15,7 +15,7 @@ void Camera::Sync(HdSceneDelegate* sceneDelegate, HdRenderParam* renderParam, Hd
   HdCamera::Sync(sceneDelegate, renderParam, dirtyBits);
   delegate::CameraUpdate update;
   if (bits & (DirtyParams | DirtyClipPlanes))
-    update.params = ToCameraParams(
+    update.params = params_ = ToCameraParams(
         *this, [&](const TfToken& name) { return sceneDelegate->GetCameraParamValue(GetId(), name); });
   if (bits & DirtyTransform) update.transforms = {{0, ToMatrix(GetTransform())}};
   if (update.params || update.transforms) Param(renderParam).Edit(GetId(), std::move(update));

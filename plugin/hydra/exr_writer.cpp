@@ -60,10 +60,13 @@ Bytes Header(const ExrImage& image) {
   channels.Put<char>(0);
   header.Attribute("channels", "chlist", channels);
   header.Attribute("compression", "compression", Values<char>(0));
-  const Bytes window = Values<int32_t>(0, 0, static_cast<int32_t>(image.width) - 1,
-                                       static_cast<int32_t>(image.height) - 1);
-  header.Attribute("dataWindow", "box2i", window);
-  header.Attribute("displayWindow", "box2i", window);
+  const auto window = [](int x, int y, uint32_t width, uint32_t height) {
+    return Values<int32_t>(x, y, x + static_cast<int32_t>(width) - 1, y + static_cast<int32_t>(height) - 1);
+  };
+  header.Attribute("dataWindow", "box2i", window(image.x, image.y, image.width, image.height));
+  header.Attribute("displayWindow", "box2i",
+                   window(0, 0, image.fullWidth ? image.fullWidth : image.width,
+                          image.fullHeight ? image.fullHeight : image.height));
   header.Attribute("lineOrder", "lineOrder", Values<char>(0));
   header.Attribute("pixelAspectRatio", "float", Values(image.pixelAspectRatio));
   header.Attribute("screenWindowCenter", "v2f", Values(0.0f, 0.0f));
@@ -96,7 +99,7 @@ bool WriteAll(std::FILE* file, const ExrImage& image) {
     good = std::fwrite(&offset, sizeof(offset), 1, file) == 1;
   }
   for (uint32_t row = 0; row < image.height && good; ++row) {
-    const int32_t head[2] = {static_cast<int32_t>(row), static_cast<int32_t>(lineBytes)};
+    const int32_t head[2] = {image.y + static_cast<int32_t>(row), static_cast<int32_t>(lineBytes)};
     good = std::fwrite(head, sizeof(head), 1, file) == 1;
     for (const auto& [name, values] : image.channels)
       good = good && std::fwrite(&values[size_t{row} * image.width], sizeof(float), image.width, file) == image.width;

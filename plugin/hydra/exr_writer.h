@@ -15,6 +15,8 @@ namespace hydra {
 
 struct ExrImage {
   uint32_t width = 0, height = 0;
+  int x = 0, y = 0;                        // the data window's left column and upper row in the display window
+  uint32_t fullWidth = 0, fullHeight = 0;  // of the display window; 0: the image's
   std::vector<std::pair<std::string, std::vector<float>>> channels;  // width * height values, row 0 at the top
   float pixelAspectRatio = 1;
   std::vector<std::pair<std::string, std::string>> text;

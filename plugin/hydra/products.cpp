@@ -8,23 +8,13 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <map>
 
+#include "delegate/render_vars.h"
+#include "plugin/hydra/convert_settings.h"
 #include "plugin/hydra/exr_writer.h"
 
 namespace hydra {
 namespace {
-
-// The channels of an AOV's layer, as `hdwavefront record` writes them.
-std::vector<std::string> ChannelsOf(const std::string& token, uint32_t components, bool isInt) {
-  if (token == "color") return {"R", "G", "B", "A"};
-  if (token == "sampleCount") return {token + ".samples"};
-  if (components == 1) return {token + (isInt ? ".id" : ".Z")};
-  const std::string names = token == "albedo" ? "RGB" : "XYZW";
-  std::vector<std::string> channels;
-  for (uint32_t c = 0; c < components; ++c) channels.push_back(token + "." + names[c]);
-  return channels;
-}
 
 delegate::ConformPolicy ToPolicy(const TfToken& token) {
   return delegate::ParseConformPolicy(token.GetString()).value_or(delegate::ConformPolicy::Fit);
@@ -40,26 +30,13 @@ PassFraming ToFraming(const HdRenderSettings::RenderProduct& product) {
   };
   framing.width = pixels(product.resolution[0], framing.part.right - framing.part.left);
   framing.height = pixels(product.resolution[1], framing.part.top - framing.part.bottom);
+  framing.x = static_cast<int>(std::round(framing.part.left * std::max(product.resolution[0], 0)));
+  framing.y = static_cast<int>(std::round((1 - framing.part.top) * std::max(product.resolution[1], 0)));
   if (product.pixelAspectRatio > 0) framing.pixelAspectRatio = product.pixelAspectRatio;
   return framing;
 }
 
 }  // namespace
-
-std::string ToAovToken(const std::string& sourceName, const TfToken& sourceType) {
-  static const std::map<std::string, std::string> names{
-      {"ci", "color"},           {"rgba", "color"}, {"rgb", "color"},         {"beauty", "color"},
-      {"lpe:c.*[lo]", "color"},  {"z", "cameraDepth"}, {"cameradepth", "cameraDepth"}, {"n", "normal"},
-      {"neye", "Neye"},          {"primid", "primId"}, {"instanceid", "instanceId"},
-      {"elementid", "elementId"}, {"samplecount", "sampleCount"}};
-  const std::string prefix(wavefront::kPrimvarPrefix);
-  if (TfStringStartsWith(sourceName, prefix)) return sourceName.size() > prefix.size() ? sourceName : std::string();
-  if (sourceType == TfToken("primvar")) return sourceName.empty() ? sourceName : prefix + sourceName;
-  std::string name = TfStringToLower(TfStringReplace(sourceName, " ", ""));
-  const auto alias = names.find(name);
-  if (alias != names.end()) return alias->second;
-  return wavefront::FindAov(name) ? name : std::string();
-}
 
 ConvertedProducts ToProducts(const HdRenderSettings::RenderProducts& products) {
   ConvertedProducts result;
@@ -75,11 +52,17 @@ ConvertedProducts ToProducts(const HdRenderSettings::RenderProducts& products) {
     Product product;
     product.path = source.productPath;
     product.name = source.name.GetString();
-    product.camera = source.cameraPath.GetString();
-    product.framing = ToFraming(source);
-    product.policy = ToPolicy(source.aspectRatioConformPolicy);
+    product.view.camera = source.cameraPath.GetString();
+    product.view.framing = ToFraming(source);
+    product.view.policy = ToPolicy(source.aspectRatioConformPolicy);
+    product.view.depthOfField = !source.disableDepthOfField;
+    product.fullWidth = static_cast<uint32_t>(std::max(source.resolution[0], 0));
+    product.fullHeight = static_cast<uint32_t>(std::max(source.resolution[1], 0));
+    for (const auto& [name, value] : source.namespacedSettings)
+      if (IsOwnSetting(TfToken(name)))
+        warn("render-product-setting", "a product's own " + name + " is not supported; the RenderSettings prim's counts");
     for (const auto& var : source.renderVars) {
-      const std::string token = ToAovToken(var.sourceName, var.sourceType);
+      const std::string token = delegate::AovTokenOfVar(var.sourceName, var.sourceType.GetString());
       if (token.empty())
         warn("render-var-unsupported",
              "the render var '" + var.sourceName + "' names no AOV of this renderer; it is left out");
@@ -93,13 +76,18 @@ ConvertedProducts ToProducts(const HdRenderSettings::RenderProducts& products) {
       warn("render-product-empty", "the product has no var that can be rendered; it is ignored");
     else result.products.push_back(std::move(product));
   }
-  for (size_t i = 1; i < result.products.size(); ++i) {
-    const Product &first = result.products.front(), &other = result.products[i];
-    if (!(other.framing == first.framing) || other.camera != first.camera || other.policy != first.policy)
-      result.messages.emplace_back(other.path, "render-product-override",
-                                   "a product's own camera, resolution or window is not supported; the first's counts");
-  }
   return result;
+}
+
+std::vector<Shot> ToShots(const std::vector<Product>& products) {
+  std::vector<Shot> shots;
+  for (const Product& product : products) {
+    auto shot = std::find_if(shots.begin(), shots.end(), [&](const Shot& s) { return s.view == product.view; });
+    if (shot == shots.end()) shot = shots.insert(shots.end(), Shot{product.view, {}});
+    shot->products.push_back(product);
+  }
+  std::reverse(shots.begin(), shots.end());
+  return shots;
 }
 
 wavefront::Status WriteProduct(delegate::RenderDelegate& core, const Product& product) {
@@ -112,7 +100,7 @@ wavefront::Status WriteProduct(delegate::RenderDelegate& core, const Product& pr
     const bool isInt = wavefront::Aovs()[static_cast<size_t>(*aov)].format == wavefront::AovFormat::Int32;
     exr.width = image->width;
     exr.height = image->height;
-    const auto names = ChannelsOf(token, image->components, isInt);
+    const auto names = delegate::AovChannels(token);
     const size_t pixels = size_t{image->width} * image->height;
     for (uint32_t c = 0; c < image->components; ++c) {
       std::vector<float> values(pixels);
@@ -123,9 +111,15 @@ wavefront::Status WriteProduct(delegate::RenderDelegate& core, const Product& pr
       exr.channels.emplace_back(names[c], std::move(values));
     }
   }
-  exr.pixelAspectRatio = static_cast<float>(product.framing.pixelAspectRatio);
+  if (product.fullWidth > 0 && product.fullHeight > 0) {
+    exr.x = product.view.framing.x;
+    exr.y = product.view.framing.y;
+    exr.fullWidth = product.fullWidth;
+    exr.fullHeight = product.fullHeight;
+  }
+  exr.pixelAspectRatio = static_cast<float>(product.view.framing.pixelAspectRatio);
   exr.text.emplace_back("software", "hdWavefront");
-  exr.text.emplace_back("hdwavefront:camera", product.camera);
+  exr.text.emplace_back("hdwavefront:camera", product.view.camera);
   const delegate::CameraMatrices matrices = core.cameraMatrices();
   exr.matrices.emplace_back("worldToCamera", matrices.worldToCamera);
   exr.matrices.emplace_back("worldToNDC", matrices.worldToNdc);

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <string>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -15,24 +16,38 @@
 
 namespace hydra {
 
+// What a product looks at.
+struct ProductView {
+  std::string camera;             // empty: the host's
+  PassFraming framing;            // without pixels where the product says no resolution: the host's
+  delegate::ConformPolicy policy = delegate::ConformPolicy::Fit;
+  bool depthOfField = true;
+  bool operator==(const ProductView&) const = default;
+};
+
 struct Product {
   SdfPath path;
   std::string name;               // the file
   std::vector<std::string> aovs;  // tokens, in the order of the product's vars
-  std::string camera;
-  PassFraming framing;            // without pixels where the product says no resolution
-  delegate::ConformPolicy policy = delegate::ConformPolicy::Fit;
+  ProductView view;
+  uint32_t fullWidth = 0, fullHeight = 0;  // of the display window
 };
 
-// The AOV that a render var asks for, by the names of other renderers and of USD's documentation too; empty: none.
-std::string ToAovToken(const std::string& sourceName, const TfToken& sourceType);
+// Products that look at the same: one render.
+struct Shot {
+  ProductView view;
+  std::vector<Product> products;
+};
 
-// The first product frames all; messages are (path, code, text).
+// Messages are (path, code, text).
 struct ConvertedProducts {
   std::vector<Product> products;
   std::vector<std::tuple<SdfPath, const char*, std::string>> messages;
 };
 ConvertedProducts ToProducts(const HdRenderSettings::RenderProducts& products);
+
+// The first product's comes last: its picture is the one that stays in the host's buffers.
+std::vector<Shot> ToShots(const std::vector<Product>& products);
 
 // Writes what the core holds now as an EXR, a layer per AOV. The folder must exist; a half-written file is never seen.
 wavefront::Status WriteProduct(delegate::RenderDelegate& core, const Product& product);

@@ -183,31 +183,50 @@ TfTokenVector RenderDelegate::GetRenderSettingsNamespaces() const { return {TfTo
 
 HdAovDescriptor RenderDelegate::GetDefaultAovDescriptor(const TfToken& name) const { return ToAovDescriptor(name); }
 
-void RenderDelegate::SetProducts(std::vector<Product> products) {
+void RenderDelegate::SetProducts(const std::vector<Product>& products) {
   std::lock_guard lock(productsMutex_);
-  products_ = std::move(products);
-  writtenVersion_ = 0;
+  shots_ = ToShots(products);
+  written_ = 0;
+  toWrite_ = false;
   param_->MarkEdited();
 }
 
-std::vector<Product> RenderDelegate::BatchProducts() const {
-  if (ToBool(GetRenderSetting(HdRenderSettingsTokens->enableInteractive)).value_or(true)) return {};
+std::optional<Shot> RenderDelegate::CurrentShot() const {
+  if (ToBool(GetRenderSetting(HdRenderSettingsTokens->enableInteractive)).value_or(true)) return std::nullopt;
   std::lock_guard lock(productsMutex_);
-  return products_;
+  return shots_.empty() ? std::nullopt : std::optional(shots_[std::min(written_, shots_.size() - 1)]);
 }
 
-void RenderDelegate::WriteProducts() {
-  if (!param_->core().IsConverged()) return;  // stopped or failed: no half pictures
-  const std::vector<Product> products = BatchProducts();
-  const uint64_t version = param_->core().version();
+bool RenderDelegate::IsLastShot() const {
+  std::lock_guard lock(productsMutex_);
+  return written_ + 1 >= shots_.size();
+}
+
+void RenderDelegate::FirstShot() {
+  std::lock_guard lock(productsMutex_);
+  written_ = 0;
+}
+
+void RenderDelegate::ShotStarted() {
+  std::lock_guard lock(productsMutex_);
+  toWrite_ = true;
+}
+
+bool RenderDelegate::WriteProducts() {
+  if (!param_->core().IsConverged()) return true;  // stopped or failed: no half pictures
+  const std::optional<Shot> shot = CurrentShot();
+  if (!shot) return true;
   {
     std::lock_guard lock(productsMutex_);
-    if (products.empty() || writtenVersion_ == version) return;
-    writtenVersion_ = version;
+    if (!toWrite_) return written_ == shots_.size();
+    toWrite_ = false;
   }
-  for (const Product& product : products)
+  for (const Product& product : shot->products)
     if (const wavefront::Status status = WriteProduct(param_->core(), product); !status)
       TF_RUNTIME_ERROR("hdWavefront: %s: %s", product.path.GetText(), status.error().message.c_str());
+  std::lock_guard lock(productsMutex_);
+  written_ = std::min(written_ + 1, shots_.size());
+  return written_ == shots_.size();
 }
 
 }  // namespace hydra

@@ -6,6 +6,7 @@
 
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <vector>
 
 #include <pxr/imaging/hd/renderDelegate.h>
@@ -67,18 +68,23 @@ class RenderDelegate final : public HdRenderDelegate {
   bool IsPrimvarFilteringNeeded() const override { return false; }
   HdAovDescriptor GetDefaultAovDescriptor(const TfToken& name) const override;
 
-  // --- Products of the active RenderSettings prim. Written in batch only (enableInteractive is false, as usdrecord and
-  // husk set it), once for each picture.
-  void SetProducts(std::vector<Product> products);
-  std::vector<Product> BatchProducts() const;
-  void WriteProducts();
+  // --- Products of the active RenderSettings prim. Rendered and written in batch only (enableInteractive is false, as
+  // usdrecord and husk set it): shot after shot, each picture's files once it has converged. Hosts execute until the
+  // pass has converged; the next execution renders the next shot.
+  void SetProducts(const std::vector<Product>& products);
+  std::optional<Shot> CurrentShot() const;  // none: the host's own picture
+  bool IsLastShot() const;                  // the one that the host's buffers show
+  void FirstShot();                         // the scene changed: all are to be rendered again
+  void ShotStarted();
+  bool WriteProducts();                     // false: another shot is to be rendered
 
  private:
   std::unique_ptr<RenderParam> param_;
   HdResourceRegistrySharedPtr registry_;
   mutable std::mutex productsMutex_;
-  std::vector<Product> products_;
-  uint64_t writtenVersion_ = 0;  // of the picture whose products are written; 0: none
+  std::vector<Shot> shots_;
+  size_t written_ = 0;    // shots; the next one is rendered, or was
+  bool toWrite_ = false;  // the shot is being rendered
 };
 
 }  // namespace hydra

@@ -2,13 +2,13 @@
 // Copyright the hdWavefront authors
 #include "plugin/hydra/render_pass.h"
 
-#include <pxr/imaging/hd/camera.h>
 #include <pxr/imaging/hd/renderIndex.h>
 #include <pxr/imaging/hd/renderPassState.h>
 
 #include <algorithm>
 #include <set>
 
+#include "plugin/hydra/camera.h"
 #include "plugin/hydra/convert_value.h"
 #include "plugin/hydra/render_buffer.h"
 #include "plugin/hydra/render_delegate.h"
@@ -32,8 +32,7 @@ RenderPass::~RenderPass() = default;
 bool RenderPass::IsConverged() const {
   if (!owner_->param().IsConverged()) return false;
   owner_->param().PostFailure();
-  owner_->WriteProducts();  // hosts look for the files as soon as this is true
-  return true;
+  return owner_->WriteProducts();  // hosts look for the files as soon as this is true
 }
 
 RenderPass::Wish RenderPass::ReadState(const HdRenderPassState& state, const TfTokenVector& renderTags) const {
@@ -41,22 +40,27 @@ RenderPass::Wish RenderPass::ReadState(const HdRenderPassState& state, const TfT
   if (const HdCamera* camera = state.GetCamera()) {
     wish.camera = camera->GetId().GetString();
   } else {
-    wish.camera = PassCamera().GetString();
     wish.view = state.GetWorldToViewMatrix();
     wish.projection = state.GetProjectionMatrix();
   }
   wish.framing = ToPassFraming(state.GetFraming(), state.GetViewport());
   wish.policy = ToConformPolicy(state.GetWindowPolicy());
-  // A batch render of a RenderSettings prim with products is framed by them, whatever the host's own frame.
-  if (const std::vector<Product> products = owner_->BatchProducts(); !products.empty()) {
-    const Product& product = products.front();
-    if (!product.camera.empty()) wish.camera = product.camera;
-    if (product.framing.width > 0 && product.framing.height > 0) wish.framing = product.framing;
-    wish.policy = product.policy;
-  }
   for (const TfToken& tag : renderTags) wish.renderTags.push_back(tag.GetString());
   std::sort(wish.renderTags.begin(), wish.renderTags.end());
   return wish;
+}
+
+// A batch render of a RenderSettings prim with products is framed by them, whatever the host's own frame.
+void RenderPass::Look(const ProductView& view, const SdfPath& product, Wish& wish) const {
+  if (view.framing.width > 0 && view.framing.height > 0) wish.framing = view.framing;
+  wish.policy = view.policy;
+  wish.depthOfField = view.depthOfField;
+  if (view.camera.empty()) return;
+  if (GetRenderIndex()->GetSprim(HdPrimTypeTokens->camera, SdfPath(view.camera)))
+    wish.camera = view.camera;
+  else
+    owner_->param().Report(wavefront::Severity::Warning, "camera-missing", product,
+                           "the camera " + view.camera + " does not exist; the host's is used");
 }
 
 RenderBuffer* RenderPass::BufferOf(const HdRenderPassAovBinding& binding) const {
@@ -65,7 +69,8 @@ RenderBuffer* RenderPass::BufferOf(const HdRenderPassAovBinding& binding) const 
   return static_cast<RenderBuffer*>(buffer);
 }
 
-std::vector<std::string> RenderPass::AovTokens(const HdRenderPassAovBindingVector& bindings) const {
+std::vector<std::string> RenderPass::AovTokens(const HdRenderPassAovBindingVector& bindings,
+                                               const std::optional<Shot>& shot) const {
   std::set<std::string> wanted, primvars;
   const auto want = [&](const std::string& token, const SdfPath& asker) {
     const bool isPrimvar = token.starts_with(wavefront::kPrimvarPrefix);
@@ -81,33 +86,50 @@ std::vector<std::string> RenderPass::AovTokens(const HdRenderPassAovBindingVecto
     wanted.insert(token);
   };
   for (const HdRenderPassAovBinding& binding : bindings) want(binding.aovName.GetString(), binding.renderBufferId);
-  for (const Product& product : owner_->BatchProducts())
-    for (const std::string& token : product.aovs) want(token, product.path);
+  if (shot)
+    for (const Product& product : shot->products)
+      for (const std::string& token : product.aovs) want(token, product.path);
   return {wanted.begin(), wanted.end()};
+}
+
+std::string RenderPass::SyncCamera(const Wish& wish) const {
+  if (!wish.camera.empty() && wish.depthOfField) return wish.camera;
+  delegate::CameraUpdate update;
+  if (wish.camera.empty()) {
+    update.params = ToCameraParams(wish.projection);
+    update.transforms = {{0, ToMatrix(wish.view.GetInverse())}};
+  } else {
+    const auto* camera =
+        static_cast<const Camera*>(GetRenderIndex()->GetSprim(HdPrimTypeTokens->camera, SdfPath(wish.camera)));
+    if (!camera) return wish.camera;  // the core tells
+    update.params = camera->params();
+    update.transforms = {{0, ToMatrix(camera->GetTransform())}};
+  }
+  if (!wish.depthOfField) update.params->fStop = 0;
+  owner_->param().core().Sync(PassCamera().GetString(), std::move(update));
+  return PassCamera().GetString();
 }
 
 void RenderPass::_Execute(const HdRenderPassStateSharedPtr& renderPassState, const TfTokenVector& renderTags) {
   RenderParam& param = owner_->param();
+  const bool edited = param.TakeEdited();
+  if (edited) owner_->FirstShot();
+  const std::optional<Shot> shot = owner_->CurrentShot();
   const HdRenderPassAovBindingVector& bindings = renderPassState->GetAovBindings();
   Wish wish = ReadState(*renderPassState, renderTags);
-  wish.aovs = AovTokens(bindings);
+  if (shot) Look(shot->view, shot->products.front().path, wish);
+  wish.aovs = AovTokens(bindings, shot);
   const auto selection = wavefront::SelectAovs(wish.aovs);
+  const bool shown = selection && (!shot || owner_->IsLastShot());
   for (const HdRenderPassAovBinding& binding : bindings)
     if (RenderBuffer* buffer = BufferOf(binding))
-      buffer->Show(selection ? wavefront::FindAov(binding.aovName.GetString(), selection.value().primvars)
-                             : std::nullopt,
+      buffer->Show(shown ? wavefront::FindAov(binding.aovName.GetString(), selection.value().primvars) : std::nullopt,
                    binding.clearValue, wish.framing.x, wish.framing.y);
   param.PostDiagnostics();
-  if (!param.TakeEdited() && last_ == wish) return;
+  if (!edited && last_ == wish) return;
 
   delegate::RenderPassUpdate update;
-  update.camera = wish.camera;
-  if (wish.camera == PassCamera().GetString()) {
-    delegate::CameraUpdate camera;
-    camera.params = ToCameraParams(wish.projection);
-    camera.transforms = {{0, ToMatrix(wish.view.GetInverse())}};
-    param.core().Sync(wish.camera, std::move(camera));
-  }
+  update.camera = SyncCamera(wish);
   update.width = wish.framing.width;
   update.height = wish.framing.height;
   update.pixelAspectRatio = wish.framing.pixelAspectRatio;
@@ -119,7 +141,7 @@ void RenderPass::_Execute(const HdRenderPassStateSharedPtr& renderPassState, con
     update.primvarAovs = selection.value().primvars;
   }
   last_ = std::move(wish);
-  param.CommitAndStart(update);
+  if (param.CommitAndStart(update) && shot) owner_->ShotStarted();
 }
 
 }  // namespace hydra

@@ -8,6 +8,7 @@
 
 #include "plugin/hydra/convert_camera.h"
 #include "plugin/hydra/hd_compat.h"
+#include "plugin/hydra/products.h"
 
 namespace hydra {
 
@@ -28,8 +29,9 @@ class RenderPass final : public HdRenderPass {
  private:
   // What an execution asks for; compared with the last one.
   struct Wish {
-    std::string camera;
+    std::string camera;                 // path; empty: the matrices
     GfMatrix4d view{1}, projection{1};  // where there is no camera
+    bool depthOfField = true;
     PassFraming framing;
     delegate::ConformPolicy policy = delegate::ConformPolicy::Fit;
     std::vector<std::string> renderTags;
@@ -37,8 +39,12 @@ class RenderPass final : public HdRenderPass {
     bool operator==(const Wish&) const = default;
   };
   Wish ReadState(const HdRenderPassState& state, const TfTokenVector& renderTags) const;
-  // What the bindings and the products ask for by token, each once, sorted; what is not rendered is told of.
-  std::vector<std::string> AovTokens(const HdRenderPassAovBindingVector& bindings) const;
+  void Look(const ProductView& view, const SdfPath& product, Wish& wish) const;
+  // What the bindings and the shot's products ask for by token, each once, sorted; what is not rendered is told of.
+  std::vector<std::string> AovTokens(const HdRenderPassAovBindingVector& bindings,
+                                     const std::optional<Shot>& shot) const;
+  // The core's camera for the wish: the prim itself, or one that is made of it.
+  std::string SyncCamera(const Wish& wish) const;
   RenderBuffer* BufferOf(const HdRenderPassAovBinding& binding) const;
 
   RenderDelegate* owner_;

@@ -18,7 +18,7 @@ void RenderSettings::_Sync(HdSceneDelegate*, HdRenderParam* renderParam, const H
     ConvertedProducts converted = ToProducts(GetRenderProducts());
     for (const auto& [path, code, text] : converted.messages)
       Param(renderParam).Report(wavefront::Severity::Warning, code, path, text);
-    owner_->SetProducts(std::move(converted.products));
+    owner_->SetProducts(converted.products);
   }
   wasActive_ = true;
   if (*dirtyBits & (DirtyRenderingColorSpace | DirtyActive))

@@ -199,15 +199,6 @@ TEST(ConvertMaterial, ACycleEnds) {
   EXPECT_EQ(ToMaterial(SdfPath("/m"), map).update.contexts[0].second.nodes.size(), 3u);
 }
 
-TEST(Products, VarsNameAovs) {
-  EXPECT_EQ(ToAovToken("Ci", TfToken("raw")), "color");
-  EXPECT_EQ(ToAovToken("Camera Depth", TfToken("raw")), "cameraDepth");
-  EXPECT_EQ(ToAovToken("albedo", TfToken("raw")), "albedo");
-  EXPECT_EQ(ToAovToken("st", TfToken("primvar")), "primvars:st");
-  EXPECT_EQ(ToAovToken("primvars:st", TfToken("raw")), "primvars:st");
-  EXPECT_EQ(ToAovToken("unheardOf", TfToken("raw")), "");
-}
-
 HdRenderSettings::RenderProduct RawProduct(const char* name) {
   HdRenderSettings::RenderProduct product;
   product.productPath = SdfPath("/Render/p");
@@ -215,6 +206,7 @@ HdRenderSettings::RenderProduct RawProduct(const char* name) {
   product.name = TfToken(name);
   product.resolution = GfVec2i(80, 60);
   product.pixelAspectRatio = 1;
+  product.disableDepthOfField = product.disableMotionBlur = false;
   product.dataWindowNDC = GfRange2f(GfVec2f(0), GfVec2f(1));
   product.renderVars.resize(2);
   product.renderVars[0].sourceName = "Ci";
@@ -228,8 +220,8 @@ TEST(Products, FramingAndAovs) {
   const ConvertedProducts converted = ToProducts({raw});
   ASSERT_EQ(converted.products.size(), 1u);
   EXPECT_THAT(converted.products[0].aovs, ElementsAre("color", "depth"));
-  EXPECT_EQ(converted.products[0].framing.width, 40u);
-  EXPECT_EQ(converted.products[0].framing.part, (delegate::DataWindow{0.5, 1, 0, 1}));
+  EXPECT_EQ(converted.products[0].view.framing.width, 40u);
+  EXPECT_EQ(converted.products[0].view.framing.part, (delegate::DataWindow{0.5, 1, 0, 1}));
   EXPECT_THAT(converted.messages, IsEmpty());
 }
 
@@ -239,6 +231,44 @@ TEST(Products, WhatCannotBeWrittenIsTold) {
   const ConvertedProducts converted = ToProducts({RawProduct("a.png"), deep, RawProduct("")});
   EXPECT_THAT(converted.products, IsEmpty());
   EXPECT_EQ(converted.messages.size(), 3u);
+}
+
+TEST(Products, EachHasItsOwnViewAndEqualViewsShareARender) {
+  auto first = RawProduct("a.exr"), same = RawProduct("b.exr"), side = RawProduct("c.exr"), small = RawProduct("d.exr"),
+       sharp = RawProduct("e.exr");
+  side.cameraPath = SdfPath("/side");
+  small.resolution = GfVec2i(40, 30);
+  sharp.disableDepthOfField = true;
+  const ConvertedProducts converted = ToProducts({first, side, small, same, sharp});
+  EXPECT_THAT(converted.messages, IsEmpty());
+  const std::vector<Shot> shots = ToShots(converted.products);
+  ASSERT_EQ(shots.size(), 4u);
+  EXPECT_FALSE(shots[0].view.depthOfField);
+  EXPECT_EQ(shots[1].view.framing.width, 40u);
+  EXPECT_EQ(shots[2].view.camera, "/side");
+  ASSERT_EQ(shots[3].products.size(), 2u);  // the first product's comes last
+  EXPECT_EQ(shots[3].products[0].name, "a.exr");
+  EXPECT_EQ(shots[3].products[1].name, "b.exr");
+}
+
+TEST(Products, ADataWindowKnowsItsPlaceInTheWholePicture) {
+  auto raw = RawProduct("a.exr");
+  raw.dataWindowNDC = GfRange2f(GfVec2f(0.25, 0.5), GfVec2f(1.25, 1));
+  const ConvertedProducts converted = ToProducts({raw});
+  const Product& product = converted.products[0];
+  EXPECT_EQ(product.view.framing.width, 80u);
+  EXPECT_EQ(product.view.framing.height, 30u);
+  EXPECT_EQ(product.view.framing.x, 20);
+  EXPECT_EQ(product.view.framing.y, 0);
+  EXPECT_EQ(product.fullWidth, 80u);
+  EXPECT_EQ(product.fullHeight, 60u);
+}
+
+TEST(Products, AProductsOwnSettingsAreToldOf) {
+  auto raw = RawProduct("a.exr");
+  raw.namespacedSettings["wavefront:samples"] = VtValue(4);
+  raw.namespacedSettings["ri:samples"] = VtValue(4);
+  EXPECT_EQ(ToProducts({raw}).messages.size(), 1u);
 }
 
 TEST(ExrWriter, ErrorsAreOneSentence) {
