@@ -448,6 +448,22 @@ def test_a_studios_own_definitions_are_found(looks, tmp_path, monkeypatch):
     assert "ND_multiply_color3FA" in {n["identifier"] for n in nodes.values()} and not list(diagnostics)
 
 
+def test_a_document_without_materials_has_its_surfaces(looks):
+    """Those of its graphs: a surface that a graph gives out, and one in a material inside of a graph."""
+    inner = '<standard_surface name="s" type="surfaceshader">' + value("metalness", 0.5) + "</standard_surface>"
+    text = document(
+        f'<nodegraph name="g">{inner}<output name="out" type="surfaceshader" nodename="s"/></nodegraph>'
+        f'<nodegraph name="h">{inner}<surfacematerial name="m" type="material">'
+        '<input name="surfaceshader" type="surfaceshader" nodename="s"/></surfacematerial>'
+        '<output name="out" type="material" nodename="m"/></nodegraph>'
+    )
+    for name in ("g_out", "h_out"):
+        nodes, diagnostics = network_of(looks, text, name)
+        assert nodes["s"]["parameters"]["metalness"] == 0.5 and not list(diagnostics)
+    nodes, _ = network_of(looks, document(inner), "s_material")
+    assert nodes["s"]["parameters"]["metalness"] == 0.5
+
+
 def test_a_surface_inside_of_a_graph_is_the_material(looks):
     text = document(
         '<nodegraph name="g"><standard_surface name="s" type="surfaceshader">'

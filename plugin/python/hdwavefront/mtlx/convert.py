@@ -6,6 +6,7 @@
 /MaterialX/Materials/<material>/<shader>          Shader, a terminal or what feeds one
 /MaterialX/Materials/<material>/NodeGraphs/<node> nodes that stand in no graph of the document
 /MaterialX/Materials/<material>/<graph>/<node>    nodes of the document's graphs
+A document without materials gets some: see document.py.
 /MaterialX/Collections, /MaterialX/Looks, /ModelRoot: see looks.py
 """
 
@@ -44,6 +45,10 @@ def convert_file(path: str, say: Say = lambda code, text: None) -> Any:
 def usd_name(element: Any) -> str:
     """A name that USD takes; namespaces become a prefix."""
     return Tf.MakeValidIdentifier(element.getName().replace(":", "__"))
+
+
+def _port(kind: str, name: str) -> str:
+    return f"{kind}:{name if Sdf.Path.IsValidNamespacedIdentifier(name) else Tf.MakeValidIdentifier(name)}"
 
 
 def _prim(layer: Any, path: Any, type_name: str = "") -> Any:
@@ -120,7 +125,7 @@ class _MaterialWriter:
             if not self._layer.GetPrimAtPath(base):
                 _prim(self._layer, base)
         path = base.AppendChild(usd_name(element))
-        while path in self._paths.values():
+        while self._layer.GetPrimAtPath(path):  # names that differ in MaterialX may be one in USD
             path = path.ReplaceName(path.name + "_")
         self._paths[key] = path
         prim = _prim(self._layer, path, "NodeGraph" if is_graph else "Shader")
@@ -134,7 +139,7 @@ class _MaterialWriter:
 
     def _input(self, prim: Any, element: Any, element_input: Any) -> None:
         kind = element_input.getType()
-        attribute = _attribute(prim, f"inputs:{element_input.getName()}", TYPES.get(kind, OPAQUE_TYPE))
+        attribute = _attribute(prim, _port("inputs", element_input.getName()), TYPES.get(kind, OPAQUE_TYPE))
         source = self._source(element_input)
         if source is not None:
             attribute.connectionPathList.explicitItems = [source]
@@ -149,7 +154,7 @@ class _MaterialWriter:
         if interface := port.getInterfaceName():
             graph = parent if parent.getCategory() == "nodegraph" else parent.getParent()
             if graph.getCategory() == "nodegraph" and graph.getInput(interface) is not None:
-                return self._place(graph).AppendProperty(f"inputs:{interface}")
+                return self._place(graph).AppendProperty(_port("inputs", interface))
             return self._nothing(port, f"interface input {interface}")
         if name := port.getNodeGraphString():
             graph = self._document.getNodeGraph(name)
@@ -158,7 +163,7 @@ class _MaterialWriter:
             output = port.getOutputString() or next((o.getName() for o in graph.getOutputs()), "out")
             if graph.getOutput(output) is None:
                 return self._nothing(port, f"output {output} of graph {name}")
-            return self._place(graph).AppendProperty(f"outputs:{output}")
+            return self._place(graph).AppendProperty(_port("outputs", output))
         if not port.getNodeName() and not port.getOutputString():
             return None
         node = port.getConnectedNode()
@@ -166,7 +171,7 @@ class _MaterialWriter:
             return self._nothing(port, f"node {port.getNodeName() or port.getOutputString()}")
         inner = None if port.getNodeName() else port.getConnectedOutput()  # an output of the document names the node
         output = (inner if inner is not None else port).getOutputString()
-        name = f"outputs:{self._output_name(node, output, terminal)}"
+        name = _port("outputs", self._output_name(node, output, terminal))
         prim = self._layer.GetPrimAtPath(self._place(node))
         return _attribute(prim, name, TYPES.get(port.getType(), OPAQUE_TYPE)).path
 
@@ -182,7 +187,7 @@ class _MaterialWriter:
 
     def _graph_outputs(self, prim: Any, graph: Any) -> None:
         for output in graph.getOutputs():
-            attribute = _attribute(prim, f"outputs:{output.getName()}", TYPES.get(output.getType(), OPAQUE_TYPE))
+            attribute = _attribute(prim, _port("outputs", output.getName()), TYPES.get(output.getType(), OPAQUE_TYPE))
             source = self._source(output)
             if source is not None:
                 attribute.connectionPathList.explicitItems = [source]
@@ -219,7 +224,7 @@ class _MaterialWriter:
         for port in definition.getActiveInputs():
             if port.getType() not in TYPES:
                 continue
-            name = f"inputs:{port.getName()}"
+            name = _port("inputs", port.getName())
             attribute = _attribute(prim, name, TYPES[port.getType()])
             if attribute.connectionPathList.explicitItems:
                 continue

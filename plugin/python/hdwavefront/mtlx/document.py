@@ -43,8 +43,10 @@ def read_document(path: str, say: Say) -> Any:
         extra = mx.createDocument()
         mx.readFromXmlFile(extra, file, search)
         document.importLibrary(extra)
-    _resolve_file_names(document, os.path.dirname(os.path.abspath(path)))
+    _resolve_file_names(mx, document, os.path.dirname(os.path.abspath(path)))
     _expand_own_nodes(mx, document, say)
+    if not document.getMaterialNodes():
+        _make_materials(mx, document)
     return document
 
 
@@ -65,7 +67,7 @@ def _plugin_files() -> Iterator[str]:
             yield from (os.path.join(root, name) for name in sorted(names) if name.endswith(".mtlx"))
 
 
-def _resolve_file_names(document: Any, folder: str) -> None:
+def _resolve_file_names(mx: Any, document: Any, folder: str) -> None:
     """File names become whole before nodes move: the prefixes stand on the elements around them.
 
     Names are relative to the document; where nothing is there, to the included file that holds them.
@@ -74,7 +76,7 @@ def _resolve_file_names(document: Any, folder: str) -> None:
     for element in document.traverseTree():
         if element.hasFilePrefix():
             prefixed.append(element)
-        if element.getAttribute("type") != "filename" or not element.getAttribute("value"):
+        if not element.isA(mx.ValueElement) or element.getType() != "filename" or not element.hasValueString():
             continue
         name = element.getResolvedValueString()
         if "://" not in name:
@@ -144,6 +146,39 @@ def _expandable(mx: Any, document: Any, say: Say) -> dict[str, int]:
     for name in sorted(endless):
         say("mtlx-recursive-definition", f"the definition {name} holds itself; nodes of it are not rendered")
     return {name: size for name, size in sizes.items() if name not in endless}
+
+
+def _make_materials(mx: Any, document: Any) -> None:
+    """A document without materials gets one for each surface that it gives out, as MaterialX's viewer shows them.
+
+    Of its graphs (named <graph>_<output>) and of itself (<output>_material), else of its shader nodes
+    (<node>_material).
+    """
+    places = [document, *(g for g in _own(document, mx.NodeGraph) if g.getNodeDef() is None)]
+    found = [(place, o) for place in places for o in place.getOutputs() if o.getType() in ("surfaceshader", "material")]
+    if not found:
+        found = [(document, n) for n in document.getNodes() if n.getType() == "surfaceshader"]
+    for place, element in found:
+        name = element.getName()
+        label = f"{name}_material" if place is document else f"{place.getName()}_{name}"
+        if element.getType() == "material":  # its surface gets an output of its own
+            material = element.getConnectedNode()
+            port = material.getInput("surfaceshader") if material is not None else None
+            if port is None or place is document:
+                continue
+            element = place.addOutput(place.createValidChildName(f"{name}_surface"), "surfaceshader")
+            element.setNodeName(port.getNodeName())
+        material = document.addNode("surfacematerial", document.createValidChildName(label), "material")
+        port = material.addInput("surfaceshader", "surfaceshader")
+        if place is not document:
+            port.setNodeGraphString(place.getName())
+            port.setOutputString(element.getName())
+        elif element.isA(mx.Node):
+            port.setNodeName(name)
+        else:
+            port.setNodeName(element.getNodeName())
+            if element.getOutputString():
+                port.setOutputString(element.getOutputString())
 
 
 def _own(document: Any, kind: Any) -> list[Any]:
