@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "delegate/mesh/build_mesh.h"
+#include "delegate/mesh/split_triangles.h"
 #include "delegate/prims/matrix.h"
 #include "delegate/prims/same.h"
 #include "wavefront/base/parallel.h"
@@ -15,6 +16,23 @@ namespace {
 
 using wavefront::kInvalidId;
 using wavefront::Severity;
+
+// All displaced meshes of a scene together; about 150 bytes each on the device.
+constexpr uint64_t kMostDisplacedTriangles = 8'000'000;
+
+// About: sizes of zero leave some out.
+uint64_t TrianglesOf(const ImplicitInput& shape) {
+  static std::mutex mutex;
+  static std::map<ImplicitShape, uint64_t> counts;
+  std::lock_guard lock(mutex);
+  const auto [known, isNew] = counts.try_emplace(shape.shape, 0);
+  if (isNew) {
+    ImplicitInput input;
+    input.shape = shape.shape;
+    if (const auto mesh = BuildImplicit(input, {})) known->second = mesh->triangles.size();
+  }
+  return known->second;
+}
 
 std::optional<wavefront::PrimvarData> ConstantPrimvar(const PrimvarInput& primvar) {
   const size_t at = primvar.indices.empty() ? 0 : static_cast<size_t>(std::max(primvar.indices[0], 0));
@@ -110,14 +128,89 @@ bool GprimStore::Wanted(const Gprim& g, const What& what) const {
 void GprimStore::BuildGeometry(const std::vector<Gprim*>& dirty) {
   wavefront::ParallelFor(dirty.size(), threads_, [&](size_t i) {
     Gprim& g = *dirty[i];
-    if (!g.isMesh) return;
+    if (!g.isMesh) {
+      if (!g.displacements.empty()) BuildDisplacedImplicit(g);
+      return;
+    }
     if (g.points.size() > 1)
       sink_({Severity::Info, "mesh-still", g.path,
              "Deformation within the shutter is not rendered; its first sample is shown."});
     if (!g.points.empty()) g.input.points.swap(g.points.front().value);
     g.fresh = BuildMesh(g.input, sink_);
     if (!g.points.empty()) g.input.points.swap(g.points.front().value);
+    if (g.fresh) g.fresh->displacements = g.displacements;
   });
+}
+
+// Implicit shapes share their meshes until something moves their points.
+void GprimStore::BuildDisplacedImplicit(Gprim& g) {
+  ImplicitInput input = g.shape;
+  input.doubleSided = g.input.doubleSided;
+  g.fresh = BuildImplicit(input, sink_);
+  if (!g.fresh) return;
+  g.fresh->path = g.path;
+  for (const PrimvarInput& primvar : g.input.primvars)  // those that are none are told of with the instances
+    if (auto constant = primvar.interpolation == "constant" ? ConstantPrimvar(primvar) : std::nullopt)
+      g.fresh->primvars.push_back(std::move(*constant));
+  WeldPoints(*g.fresh);
+  SplitTriangles(*g.fresh, g.input.displacementLevel.value_or(0));
+  g.fresh->displacements = g.displacements;
+}
+
+// What moves the points of each prim, and how finely it is cut for that. A prim whose displacement is not what its mesh was
+// built with is built anew; nothing else is.
+void GprimStore::UpdateDisplacements(const What& what) {
+  std::vector<Gprim*> displaced;
+  for (auto& [path, gprim] : gprims_) {
+    Gprim& g = *gprim;
+    if (!Wanted(g, what)) continue;
+    std::vector<std::shared_ptr<const wavefront::DisplacementData>> displacements;
+    bool moves = false;
+    const size_t slots = what.sceneMaterials ? 1 + (g.isMesh ? g.input.topology.subsets.size() : 0) : 0;
+    for (size_t i = 0; i < slots; ++i) {
+      const bool hasOwn = i > 0 && i <= g.subsetMaterials.size() && !g.subsetMaterials[i - 1].empty();
+      displacements.push_back(materials_.Displacement(hasOwn ? g.subsetMaterials[i - 1] : g.material));
+      moves |= displacements.back() != nullptr;
+    }
+    if (!moves) displacements.clear();
+    if (displacements != g.displacements) {
+      g.displacements = std::move(displacements);
+      g.geometryDirty = true;
+    }
+    if (moves) {
+      displaced.push_back(&g);
+    } else if (g.input.displacementLevel) {
+      g.input.displacementLevel.reset();
+      g.geometryDirty = true;
+    }
+  }
+  ChooseLevels(displaced, what.displacementTriangles);
+}
+
+void GprimStore::ChooseLevels(const std::vector<Gprim*>& displaced, uint64_t triangles) {
+  std::vector<DisplacementLevel> levels(displaced.size());
+  const uint64_t wanted = triangles;
+  for (;; triangles /= 4) {  // one level less for all but those that are fine by themselves
+    uint64_t sum = 0;
+    for (size_t i = 0; i < displaced.size(); ++i) {
+      const Gprim& g = *displaced[i];
+      const DisplacementTarget target{triangles, g.input.maxTriangles};
+      levels[i] = g.isMesh ? ChooseDisplacementLevel(g.input, target)
+                           : ChooseDisplacementLevel(TrianglesOf(g.shape), g.input.primvars, target);
+      sum += levels[i].triangles;
+    }
+    if (sum <= kMostDisplacedTriangles || triangles == 0) break;
+  }
+  if (triangles < wanted)
+    sink_({Severity::Warning, "displacement-coarse", displaced.front()->path,
+           "The scene's " + std::to_string(displaced.size()) + " displaced prims, this one the first, would take more than " +
+               std::to_string(kMostDisplacedTriangles) + " triangles; each is refined to about " +
+               std::to_string(triangles) + " instead of " + std::to_string(wanted) + "."});
+  for (size_t i = 0; i < displaced.size(); ++i) {
+    if (displaced[i]->input.displacementLevel == levels[i].level) continue;
+    displaced[i]->input.displacementLevel = levels[i].level;
+    displaced[i]->geometryDirty = true;
+  }
 }
 
 void GprimStore::LetGoOfMesh(Gprim& g) {
@@ -280,13 +373,14 @@ void GprimStore::Remove(Gprim& g) {
 }
 
 void GprimStore::Commit(const What& what) {
+  UpdateDisplacements(what);
   std::vector<Gprim*> dirty;
   for (auto& [path, gprim] : gprims_)
     if (gprim->geometryDirty && Wanted(*gprim, what)) dirty.push_back(gprim.get());
   BuildGeometry(dirty);
   for (Gprim* gprim : dirty) {  // in order of path: ids do not depend on who was built first
     gprim->geometryDirty = false;
-    if (gprim->isMesh)
+    if (gprim->isMesh || !gprim->displacements.empty())
       UploadMesh(*gprim);
     else
       ShareImplicit(*gprim);

@@ -34,8 +34,9 @@ class GprimStore {
   struct What {
     std::set<std::string> renderTags;
     bool sceneMaterials = true;
+    uint64_t displacementTriangles = 0;  // setting of that name
   };
-  // Builds what is dirty and drawn, and hands it to the core, in order of path.
+  // After the materials'. Builds what is dirty and drawn, and hands it to the core, in order of path.
   void Commit(const What& what);
 
   uint64_t built() const { return built_; }
@@ -63,6 +64,7 @@ class GprimStore {
     std::string instancer;
     int32_t prototype = 0, primId = -1;
     bool geometryDirty = true, instancesDirty = true;
+    std::vector<std::shared_ptr<const wavefront::DisplacementData>> displacements;  // by slot; empty: nothing moves
     // As the core has it.
     wavefront::MeshId mesh = wavefront::kInvalidId;          // own, or the shared one's
     std::optional<ImplicitKey> sharedKey;
@@ -75,7 +77,10 @@ class GprimStore {
   Gprim& FindOrCreate(const std::string& path, bool isMesh);
   bool SyncCommon(Gprim& gprim, GprimUpdate& update);  // true: primvars or sidedness changed
   bool Wanted(const Gprim& gprim, const What& what) const;
+  void UpdateDisplacements(const What& what);
+  void ChooseLevels(const std::vector<Gprim*>& displaced, uint64_t triangles);
   void BuildGeometry(const std::vector<Gprim*>& dirty);
+  void BuildDisplacedImplicit(Gprim& gprim);
   void UploadMesh(Gprim& gprim);
   void ShareImplicit(Gprim& gprim);
   void LetGoOfMesh(Gprim& gprim);

@@ -75,7 +75,17 @@ void MaterialStore::Destroy(const std::string& path) {
 
 void MaterialStore::ReleaseTextures(Material& material) {
   for (uint32_t key : material.textureKeys) textures_.Release(key);
+  for (uint32_t key : material.displacementKeys) textures_.Release(key);
   material.textureKeys.clear();
+  material.displacementKeys.clear();
+}
+
+std::vector<uint32_t> MaterialStore::Acquire(const Material& material, const materialgen::CompiledMaterial& compiled) {
+  std::vector<uint32_t> keys;
+  for (const materialgen::TextureRequest& request : compiled.textures)
+    keys.push_back(textures_.Acquire(KeyOf(request), request.file.authoredPath,
+                                     request.node.empty() ? material.path : request.node));
+  return keys;
 }
 
 void MaterialStore::Generate() {
@@ -92,18 +102,20 @@ void MaterialStore::Generate() {
     const materialgen::MaterialNetwork* network = ChooseNetwork(material.path, material.update, generator_, sink_);
     material.hasNetwork = network != nullptr;
     material.compiled = network ? generator_.Generate(*network, messages) : materialgen::CompiledMaterial();
+    const materialgen::MaterialNetwork* displacement = ChooseDisplacement(material.update);
+    material.displaced =
+        displacement ? generator_.GenerateDisplacement(*displacement, messages) : materialgen::CompiledMaterial();
     material.generateMilliseconds = Since(start);
   });
   for (Material* material : dirty) {  // in order of path
     material->dirty = false;
     if (material->hasNetwork) ++generated_;
     // The new images are taken before the old ones are let go: what both use stays loaded.
-    std::vector<uint32_t> keys;
-    for (const materialgen::TextureRequest& request : material->compiled.textures)
-      keys.push_back(textures_.Acquire(KeyOf(request), request.file.authoredPath,
-                                       request.node.empty() ? material->path : request.node));
+    std::vector<uint32_t> keys = Acquire(*material, material->compiled);
+    std::vector<uint32_t> displacementKeys = Acquire(*material, material->displaced);
     ReleaseTextures(*material);
     material->textureKeys = std::move(keys);
+    material->displacementKeys = std::move(displacementKeys);
     material->stale = true;
   }
 }
@@ -166,6 +178,37 @@ void MaterialStore::CompileKernels(const std::vector<const Material*>& materials
   }
 }
 
+// The parameter block with the ids of its textures.
+std::vector<wavefront::Float4> MaterialStore::Block(const materialgen::CompiledMaterial& compiled,
+                                                    const std::vector<uint32_t>& keys) {
+  std::vector<float> values = compiled.parameters;
+  values.resize((values.size() + 3) / 4 * 4, 0.0f);
+  for (size_t i = 0; i < compiled.textures.size(); ++i)
+    if (compiled.textures[i].offset < values.size())
+      values[compiled.textures[i].offset] = std::bit_cast<float>(textures_.Id(keys[i]));
+  std::vector<wavefront::Float4> block;
+  for (size_t i = 0; i < values.size(); i += 4)
+    block.push_back({values[i], values[i + 1], values[i + 2], values[i + 3]});
+  return block;
+}
+
+void MaterialStore::UpdateDisplacement(Material& material) {
+  const materialgen::CompiledMaterial& compiled = material.displaced;
+  const auto spirv = compiled.kernel ? displacementKernels_.Compile(*compiled.kernel, sink_) : nullptr;
+  if (!spirv) {
+    material.displacement = nullptr;
+    return;
+  }
+  auto data = std::make_shared<wavefront::DisplacementData>();
+  data->kernelKey = compiled.kernel->key;
+  data->spirv = spirv;
+  data->primvars = compiled.kernel->primvars;
+  data->parameters = Block(compiled, material.displacementKeys);
+  const bool isSame = material.displacement && material.displacement->kernelKey == data->kernelKey &&
+                      Same(material.displacement->parameters, data->parameters);
+  if (!isSame) material.displacement = std::move(data);
+}
+
 void MaterialStore::Upload(Material& material) {
   const materialgen::CompiledMaterial& compiled = material.compiled;
   material.stale = false;
@@ -182,13 +225,7 @@ void MaterialStore::Upload(Material& material) {
   wavefront::MaterialData data;
   data.path = material.path;
   data.kernelKey = compiled.kernel->key;
-  std::vector<float> values = compiled.parameters;
-  values.resize((values.size() + 3) / 4 * 4, 0.0f);
-  for (size_t i = 0; i < compiled.textures.size(); ++i)
-    if (compiled.textures[i].offset < values.size())
-      values[compiled.textures[i].offset] = std::bit_cast<float>(textures_.Id(material.textureKeys[i]));
-  for (size_t i = 0; i < values.size(); i += 4)
-    data.parameters.push_back({values[i], values[i + 1], values[i + 2], values[i + 3]});
+  data.parameters = Block(compiled, material.textureKeys);
   if (material.id != wavefront::kInvalidId && Same(data, material.data)) return;
   material.data = data;
   ++uploaded_;
@@ -228,8 +265,10 @@ void MaterialStore::Commit() {
   const uint64_t textureVersion = textures_.version();
   const bool texturesChanged = textureVersion != textureVersion_;
   textureVersion_ = textureVersion;
-  for (auto& [path, material] : materials_)
+  for (auto& [path, material] : materials_) {
+    if (material->stale || (texturesChanged && !material->displacementKeys.empty())) UpdateDisplacement(*material);
     if (material->stale || (texturesChanged && !material->textureKeys.empty())) Upload(*material);
+  }
   for (auto& material : removed_) {
     ReleaseTextures(*material);
     if (material->id != wavefront::kInvalidId) garbage_.push_back(material->id);
@@ -252,6 +291,11 @@ wavefront::MaterialId MaterialStore::Id(const std::string& path, const std::stri
   return wavefront::kInvalidId;
 }
 
+std::shared_ptr<const wavefront::DisplacementData> MaterialStore::Displacement(const std::string& path) const {
+  const auto found = materials_.find(path);
+  return found == materials_.end() ? nullptr : found->second->displacement;
+}
+
 std::vector<std::string> MaterialStore::MaterialsOf(const std::string& kernelKey) const {
   std::vector<std::string> paths;
   std::lock_guard lock(mutex_);
@@ -264,6 +308,12 @@ std::shared_ptr<const materialgen::KernelSource> MaterialStore::SourceOf(const s
   std::lock_guard lock(mutex_);
   const auto found = materials_.find(path);
   return found == materials_.end() ? nullptr : found->second->compiled.kernel;
+}
+
+std::shared_ptr<const materialgen::KernelSource> MaterialStore::DisplacementSourceOf(const std::string& path) const {
+  std::lock_guard lock(mutex_);
+  const auto found = materials_.find(path);
+  return found == materials_.end() ? nullptr : found->second->displaced.kernel;
 }
 
 }  // namespace delegate

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "delegate/displacement.h"
 #include "delegate/prims/material.h"
 #include "delegate/textures.h"
 #include "wavefront/renderer.h"
@@ -35,6 +36,8 @@ class MaterialStore {
 
   // kInvalidId: there is no such material (told once), or it shows the default.
   wavefront::MaterialId Id(const std::string& path, const std::string& user);
+  // How the material moves points; null: it does not. The same pointer as long as nothing of it changed.
+  std::shared_ptr<const wavefront::DisplacementData> Displacement(const std::string& path) const;
   // The defaults are made when somebody wears them first. The core's own is opaque, which spares the shadow rays of all
   // prims that author no displayOpacity the opacity kernel; the other is for those that do.
   void NeedDefault();
@@ -42,7 +45,7 @@ class MaterialStore {
   uint64_t idVersion() const { return idVersion_; }  // grows when a path's id changes
   uint64_t generated() const { return generated_; }
   uint64_t uploaded() const { return uploaded_; }
-  uint64_t compiled() const { return compiled_; }
+  uint64_t compiled() const { return compiled_ + displacementKernels_.compiled(); }
 
   struct Kernel {
     std::shared_ptr<const materialgen::KernelSource> source;
@@ -52,6 +55,7 @@ class MaterialStore {
   const std::map<std::string, Kernel>& kernels() const { return kernels_; }
   std::vector<std::string> MaterialsOf(const std::string& kernelKey) const;
   std::shared_ptr<const materialgen::KernelSource> SourceOf(const std::string& path) const;
+  std::shared_ptr<const materialgen::KernelSource> DisplacementSourceOf(const std::string& path) const;
 
  private:
   struct Material {
@@ -61,8 +65,9 @@ class MaterialStore {
     bool stale = false;              // compiled changed, the core has not seen it
     bool hasNetwork = false;
     double generateMilliseconds = 0;
-    materialgen::CompiledMaterial compiled;
-    std::vector<uint32_t> textureKeys;  // by compiled.textures
+    materialgen::CompiledMaterial compiled, displaced;  // of the surface's and the displacement's terminal
+    std::vector<uint32_t> textureKeys, displacementKeys;  // by the textures of either
+    std::shared_ptr<const wavefront::DisplacementData> displacement;
     wavefront::MaterialData data;       // as the core has it
     wavefront::MaterialId id = wavefront::kInvalidId;
   };
@@ -70,6 +75,9 @@ class MaterialStore {
   void ReleaseTextures(Material& material);
   void CompileKernels(const std::vector<const Material*>& materials);
   void Upload(Material& material);
+  std::vector<uint32_t> Acquire(const Material& material, const materialgen::CompiledMaterial& compiled);
+  std::vector<wavefront::Float4> Block(const materialgen::CompiledMaterial& compiled, const std::vector<uint32_t>& keys);
+  void UpdateDisplacement(Material& material);
   void MakeDefault(Material& material, bool isOpaque);
 
   wavefront::Renderer& renderer_;
@@ -82,6 +90,7 @@ class MaterialStore {
   std::vector<std::unique_ptr<Material>> removed_;
   std::vector<wavefront::MaterialId> garbage_;
   std::map<std::string, Kernel> kernels_;
+  DisplacementKernels displacementKernels_;
   Material default_, translucentDefault_;
   uint64_t textureVersion_ = 0, idVersion_ = 1, generated_ = 0, uploaded_ = 0, compiled_ = 0;
 };

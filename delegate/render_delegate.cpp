@@ -265,6 +265,7 @@ wavefront::Status RenderDelegate::CommitResources() {
     }
     what.renderTags = impl.renderTags;
     what.sceneMaterials = impl.settings.Bool("enableSceneMaterials");
+    what.displacementTriangles = static_cast<uint64_t>(impl.settings.Int("displacementTriangles"));
     sceneLights = impl.settings.Bool("enableSceneLights");
   }
   impl.materials.Commit();
@@ -332,6 +333,8 @@ std::vector<std::pair<std::string, std::string>> RenderDelegate::MaterialSource(
     if (!source->opacity.empty()) sources.emplace_back("opacity", source->opacity);
     if (!source->emission.empty()) sources.emplace_back("emission", source->emission);
   }
+  if (const auto source = impl_->materials.DisplacementSourceOf(path))
+    sources.emplace_back("displacement", source->displacement);
   return sources;
 }
 

@@ -7,6 +7,7 @@
 #include "delegate/mesh/mesh_check.h"
 #include "delegate/mesh/normals.h"
 #include "delegate/mesh/primvars.h"
+#include "delegate/mesh/split_triangles.h"
 #include "delegate/mesh/subdivide.h"
 #include "delegate/mesh/triangulate.h"
 
@@ -153,6 +154,8 @@ std::optional<MeshData> BuildMesh(const MeshInput& input, const wavefront::Diagn
   std::optional<MeshData> mesh;
   if (topology->scheme != Scheme::None && topology->level > 0) mesh = Subdivide(input, *topology, primvars, report);
   if (!mesh) mesh = BuildPolygons(input, *topology, std::move(primvars), report);
+  mesh->path = input.path;
+  if (topology->scheme == Scheme::None) SplitTriangles(*mesh, input.displacementLevel.value_or(0));
   if (!mesh->triangles.empty()) return mesh;
   const auto& holes = topology->isHole;
   if (holes.empty() || std::count(holes.begin(), holes.end(), 0))

@@ -193,7 +193,7 @@ std::optional<CheckedTopology> CheckTopology(const MeshInput& input, const MeshR
   CheckedTopology checked;
   checked.scheme = ReadScheme(topology.scheme, report);
   checked.leftHanded = ReadLeftHanded(topology.orientation, report);
-  checked.level = ReadLevel(input.refineLevel, report);
+  checked.level = ReadLevel(input.displacementLevel.value_or(input.refineLevel), report);
   FindBadPoints(input, checked);
   FaceTallies bad;
   CollectFaces(input, checked, bad);

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -52,6 +53,8 @@ struct MeshInput {
   std::vector<wavefront::Float3> points;     // object space
   std::vector<PrimvarInput> primvars;        // authored normals come as "normals" (UsdGeomMesh.normals or primvars:normals)
   int refineLevel = 0;                       // 0..8: low 0, medium 1, high 2, veryhigh 3 of usdrecord's --complexity
+  // Of a displaced mesh, 0..8: subdivision surfaces are refined this far instead, polygons split (split_triangles.h).
+  std::optional<int> displacementLevel;
   bool doubleSided = false;
   uint64_t maxTriangles = 8'000'000;         // subdivision stops at the level that stays below (about 220 bytes each
                                              // while building); polygons are never cut

@@ -39,4 +39,11 @@ const materialgen::MaterialNetwork* ChooseNetwork(const std::string& path, const
   return candidates[0].network;
 }
 
+const materialgen::MaterialNetwork* ChooseDisplacement(const MaterialUpdate& material) {
+  for (const char* context : kMaterialContexts)
+    for (const auto& [name, network] : material.contexts)
+      if (name == context && !network.displacementNode.empty()) return &network;
+  return nullptr;
+}
+
 }  // namespace delegate

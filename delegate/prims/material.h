@@ -26,4 +26,8 @@ const materialgen::MaterialNetwork* ChooseNetwork(const std::string& path, const
                                                   const materialgen::Generator& generator,
                                                   const wavefront::DiagnosticSink& sink);
 
+// The first network, in the order of contexts, that has a displacement terminal; each terminal is looked for by itself, as
+// UsdShadeMaterial does. Null: none has.
+const materialgen::MaterialNetwork* ChooseDisplacement(const MaterialUpdate& material);
+
 }  // namespace delegate

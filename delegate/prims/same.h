@@ -42,7 +42,8 @@ inline auto Fields(const materialgen::Connection& v) {
   return std::tie(v.upstreamNode, v.upstreamOutput, v.downstreamNode, v.downstreamInput);
 }
 inline auto Fields(const materialgen::MaterialNetwork& v) {
-  return std::tie(v.path, v.nodes, v.connections, v.surfaceNode, v.surfaceOutput);
+  return std::tie(v.path, v.nodes, v.connections, v.surfaceNode, v.surfaceOutput, v.displacementNode,
+                  v.displacementOutput);
 }
 inline auto Fields(const MaterialUpdate& v) { return std::tie(v.contexts); }
 inline auto Fields(const LightShaping& v) {

@@ -29,12 +29,14 @@ class Walk {
                        [](const auto* a, const auto* b) { return a->outputName < b->outputName; });
   }
 
-  materialgen::MaterialNetwork From(const SdfPath& material, const HdMaterialNode& surface) {
+  // `name`: of the terminal, of which Hydra does not say which output of the node it is.
+  materialgen::MaterialNetwork From(const SdfPath& material, const HdMaterialNode& terminal, const TfToken& name) {
     network_.path = material.GetString();
-    network_.surfaceNode = surface.path.GetString();
-    network_.surfaceOutput = HdMaterialTerminalTokens->surface.GetString();
+    const bool isSurface = name == HdMaterialTerminalTokens->surface;
+    (isSurface ? network_.surfaceNode : network_.displacementNode) = terminal.path.GetString();
+    (isSurface ? network_.surfaceOutput : network_.displacementOutput) = name.GetString();
     // A stack of our own: a chain of thousands of nodes must not end the thread's.
-    std::vector<SdfPath> pending{surface.path};
+    std::vector<SdfPath> pending{terminal.path};
     while (!pending.empty()) {
       const SdfPath path = pending.back();
       pending.pop_back();
@@ -97,15 +99,8 @@ const char* ContextOf(const materialgen::MaterialNetwork& network) {
   return "";
 }
 
-// UsdPreviewSurface's displacement is often connected by habit and never set.
-bool DoesSomething(const HdMaterialNetwork& network) {
-  const HdMaterialNode& node = network.nodes.back();
-  if (node.identifier != TfToken("UsdPreviewSurface")) return true;
-  const TfToken name("displacement");
-  for (const HdMaterialRelationship& r : network.relationships)
-    if (r.outputId == node.path && r.outputName == name) return true;
-  const auto value = node.parameters.find(name);
-  return value != node.parameters.end() && ToNumber(value->second).value_or(0) != 0;
+bool HasNode(const materialgen::MaterialNetwork& network, const std::string& path) {
+  return std::any_of(network.nodes.begin(), network.nodes.end(), [&](const auto& node) { return node.path == path; });
 }
 
 }  // namespace
@@ -117,15 +112,20 @@ ConvertedMaterial ToMaterial(const SdfPath& id, const HdMaterialNetworkMap& netw
     const auto found = networks.map.find(name);
     return found == networks.map.end() || found->second.nodes.empty() ? nullptr : &found->second;
   };
-  if (const HdMaterialNetwork* surface = terminal(HdMaterialTerminalTokens->surface)) {
-    materialgen::MaterialNetwork network = Walk(*surface, result).From(id, surface->nodes.back());
+  for (const TfToken& name : {HdMaterialTerminalTokens->surface, HdMaterialTerminalTokens->displacement}) {
+    const HdMaterialNetwork* source = terminal(name);
+    if (!source) continue;
+    materialgen::MaterialNetwork network = Walk(*source, result).From(id, source->nodes.back(), name);
+    // A UsdPreviewSurface is both terminals: one network.
+    auto& contexts = result.update.contexts;
+    if (!contexts.empty() && HasNode(contexts[0].second, network.displacementNode)) {
+      contexts[0].second.displacementNode = network.displacementNode;
+      contexts[0].second.displacementOutput = network.displacementOutput;
+      continue;
+    }
     const std::string context = ContextOf(network);
-    result.update.contexts.emplace_back(context, std::move(network));
+    contexts.emplace_back(context, std::move(network));
   }
-  if (const auto* displacement = terminal(HdMaterialTerminalTokens->displacement);
-      displacement && DoesSomething(*displacement))
-    result.messages.emplace_back("material-displacement-unsupported",
-                                 "displacement is not rendered yet; it is ignored");
   if (terminal(HdMaterialTerminalTokens->volume))
     result.messages.emplace_back("material-volume-unsupported", "volume is not rendered yet; it is ignored");
   return result;

@@ -181,11 +181,29 @@ TEST(ConvertMaterial, MaterialXIsToldByItsDefinitions) {
   EXPECT_EQ(ToMaterial(SdfPath("/m"), map).update.contexts[0].first, "mtlx");
 }
 
+TEST(ConvertMaterial, DisplacementIsATerminalOfTheSurfacesNetworkOrHasItsOwn) {
+  HdMaterialNetworkMap map = Network();
+  auto& displacement = map.map[HdMaterialTerminalTokens->displacement];
+  displacement = map.map[HdMaterialTerminalTokens->surface];
+  const ConvertedMaterial shared = ToMaterial(SdfPath("/m"), map);
+  ASSERT_EQ(shared.update.contexts.size(), 1u);
+  EXPECT_EQ(shared.update.contexts[0].second.displacementNode, "/m/surface");
+  EXPECT_EQ(shared.update.contexts[0].second.displacementOutput, "displacement");
+  EXPECT_EQ(shared.update.contexts[0].second.surfaceNode, "/m/surface");
+  displacement.nodes = {displacement.nodes.back()};
+  displacement.nodes[0].path = SdfPath("/m/bumps");
+  displacement.nodes[0].identifier = TfToken("ND_displacement_float");
+  displacement.relationships.clear();
+  const ConvertedMaterial own = ToMaterial(SdfPath("/m"), map);
+  ASSERT_EQ(own.update.contexts.size(), 2u);
+  EXPECT_EQ(own.update.contexts[1].first, "mtlx");
+  EXPECT_EQ(own.update.contexts[1].second.displacementNode, "/m/bumps");
+  EXPECT_EQ(own.update.contexts[1].second.surfaceNode, "");
+}
+
 TEST(ConvertMaterial, WhatIsNotRenderedIsTold) {
   HdMaterialNetworkMap map = Network();
-  map.map[HdMaterialTerminalTokens->displacement] = map.map[HdMaterialTerminalTokens->surface];
-  EXPECT_THAT(ToMaterial(SdfPath("/m"), map).messages, IsEmpty());  // connected by habit
-  map.map[HdMaterialTerminalTokens->displacement].nodes.back().parameters[TfToken("displacement")] = VtValue(1.0f);
+  map.map[HdMaterialTerminalTokens->volume] = map.map[HdMaterialTerminalTokens->surface];
   ASSERT_EQ(ToMaterial(SdfPath("/m"), map).messages.size(), 1u);
   const ConvertedMaterial empty = ToMaterial(SdfPath("/m"), HdMaterialNetworkMap());
   EXPECT_THAT(empty.update.contexts, IsEmpty());

@@ -325,24 +325,36 @@ def test_our_own_context_is_read(translated):
 
 
 @pytest.mark.parametrize(
-    ("surface", "outputs", "expected"),
+    ("outputs", "expected"),
     [
-        ("", "token outputs:displacement.connect = </m/s.outputs:displacement>", []),
-        ("float inputs:displacement = 0", "token outputs:displacement.connect = </m/s.outputs:displacement>", []),
-        (
-            "float inputs:displacement = 0.5",
-            "token outputs:displacement.connect = </m/s.outputs:displacement>",
-            ["material-displacement-unsupported"],
-        ),
-        ("", "token outputs:displacement.connect = </m/d.outputs:out>", ["material-displacement-unsupported"]),
-        ("", "token outputs:volume.connect = </m/d.outputs:out>", ["material-volume-unsupported"]),
-        ("", "token outputs:volume", []),
+        ("token outputs:displacement.connect = </m/s.outputs:displacement>", []),
+        ("token outputs:volume.connect = </m/d.outputs:out>", ["material-volume-unsupported"]),
+        ("token outputs:volume", []),
     ],
 )
-def test_other_terminals_are_said_where_they_do_something(translated, surface, outputs, expected):
+def test_other_terminals_are_said_where_they_do_something(translated, outputs, expected):
     other = 'def Shader "d" { uniform token info:id = "D"; token outputs:out }'
-    _, diagnostics = translated(material(f"token outputs:displacement; {surface}", other, outputs))
+    _, diagnostics = translated(material("token outputs:displacement", other, outputs))
     assert said(diagnostics) == [(code, "/m") for code in expected]
+
+
+@pytest.mark.parametrize(
+    ("context", "outputs", "told"),
+    [
+        ("", "token outputs:displacement.connect = </m/s.outputs:displacement>", ("/m/s", "displacement")),
+        ("", "token outputs:displacement.connect = </m/d.outputs:out>", ("/m/d", "out")),
+        ("mtlx", "token outputs:mtlx:displacement.connect = </m/d.outputs:out>", ("/m/d", "out")),
+        ("", "token outputs:displacement", None),
+    ],
+)
+def test_the_displacement_terminal_is_handed_over(translated, context, outputs, told):
+    other = 'def Shader "d" { uniform token info:id = "D"; token outputs:out }'
+    networks = translated(material("token outputs:displacement", other, outputs))[0].told["/m"]
+    assert networks[context].get("displacement") == told
+    assert networks[""]["surface"] == ("/m/s", "surface")
+    if told:
+        assert told[0] in {node["path"] for node in networks[context]["nodes"]}
+        assert ("surface" in networks[context]) is (context == "")
 
 
 @pytest.mark.parametrize("outputs", ["", "token outputs:ri:surface.connect = </m/s.outputs:surface>"])

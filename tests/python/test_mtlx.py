@@ -225,14 +225,16 @@ def test_colour_spaces_stay_with_their_values(looks):
     assert node["parameters"]["base_color"] == ("acescg", 1, 0, 0)
 
 
-def test_displacement_is_a_terminal_and_said(looks):
-    _, _, _, diagnostics = networks_of(
+def test_displacement_is_a_terminal(looks):
+    nodes, network, _, diagnostics = networks_of(
         looks,
         """<displacement name="bumps" type="displacementshader">
           <input name="displacement" type="float" value="0.5"/></displacement>"""
         + SURFACE.format("", '<input name="displacementshader" type="displacementshader" nodename="bumps"/>'),
     )
-    assert ("material-displacement-unsupported", "/world/looks/textured") in [(d.code, d.location) for d in diagnostics]
+    assert network["displacement"] == ("/world/looks/textured/bumps", "displacement")
+    assert nodes["bumps"]["parameters"]["displacement"] == 0.5
+    assert not [d for d in diagnostics if "displacement" in d.code]
 
 
 def test_payloads_are_replaced_as_references_are(looks):

@@ -213,7 +213,7 @@ class RenderDelegate:
         contexts: "wavefront", "mtlx", "" (universal) -> network, those that exist. A network is
             {"nodes": [{"path": str, "identifier": str, "parameters": {name: value}}, ...],
              "connections": [(upstreamNode, upstreamOutput, downstreamNode, downstreamInput), ...],
-             "surface": (nodePath, output)}.
+             "surface": (nodePath, output), "displacement": (nodePath, output)}; either terminal may be missing.
         value: bool, int, float, str, a sequence of 2, 3, 4, 9 or 16 floats, or an asset
             {"authored": str, "resolved": str, "colorSpace": str}. Types follow Python's: pass float(1) for a float.
         """

@@ -158,12 +158,13 @@ materialgen::MaterialNetwork ReadNetwork(const std::string& path, nb::handle val
         if (ends.size() != 4) RaiseValue("a connection must have four names");
         network.connections.push_back({ends[0], ends[1], ends[2], ends[3]});
       }
-    } else if (key == "surface") {
+    } else if (key == "surface" || key == "displacement") {
       if (item.is_none()) return;
-      const std::vector<std::string> surface = ReadStrings(item, "surface");
-      if (surface.size() != 2) RaiseValue("surface must be (node, output)");
-      network.surfaceNode = surface[0];
-      network.surfaceOutput = surface[1];
+      const std::vector<std::string> terminal = ReadStrings(item, key.c_str());
+      if (terminal.size() != 2) RaiseValue(key + " must be (node, output)");
+      const bool isSurface = key == "surface";
+      (isSurface ? network.surfaceNode : network.displacementNode) = terminal[0];
+      (isSurface ? network.surfaceOutput : network.displacementOutput) = terminal[1];
     } else {
       RaiseValue("a network has no \"" + key + "\"");
     }

@@ -116,54 +116,55 @@ def _identifier(shader: UsdShade.Shader) -> str:
     return f"({source})" if source else ""
 
 
-def material_contexts(translation: Translation, material: UsdShade.Material) -> dict[str, Update]:
-    """The surface networks of a material by render context, those that it has."""
-    contexts: dict[str, Update] = {}
-    seen: set[str] = set()
-    for context in translation.options.render_contexts:
-        output = material.GetSurfaceOutput(context)
-        if not output or not output.GetPrim():
-            continue
-        sources = UsdShade.Utils.GetValueProducingAttributes(output)
-        if not sources:
-            continue
-        shader = UsdShade.Shader(sources[0].GetPrim())
-        if not shader or str(sources[0].GetPath()) in seen:
-            continue
-        seen.add(str(sources[0].GetPath()))
-        network = _Network(translation, material)
-        network.add(shader)
-        output_name, _ = UsdShade.Utils.GetBaseNameAndType(sources[0].GetName())
-        contexts[context] = {
-            "nodes": list(network.nodes.values()),
-            "connections": network.connections,
-            "surface": (str(shader.GetPath()), str(output_name)),
-        }
-    return contexts
-
-
-def _does_something(output: UsdShade.Output, what: str) -> bool:
-    """False for the displacement of a UsdPreviewSurface that is connected by habit and never set."""
+def _terminal(output: UsdShade.Output) -> tuple[UsdShade.Shader, str] | None:
+    """The shader at the end of a material's output, and the name of its own."""
+    if not output or not output.GetPrim():
+        return None
     sources = UsdShade.Utils.GetValueProducingAttributes(output)
-    if not sources:
-        return False
-    shader = UsdShade.Shader(sources[0].GetPrim())
-    if what == "displacement" and shader and shader.GetIdAttr().Get() == "UsdPreviewSurface":
-        value = shader.GetInput("displacement")
-        return bool(value) and (value.HasConnectedSource() or bool(value.Get()))
-    return True
+    shader = UsdShade.Shader(sources[0].GetPrim()) if sources else None
+    if not shader:
+        return None
+    name, _ = UsdShade.Utils.GetBaseNameAndType(sources[0].GetName())
+    return shader, str(name)
+
+
+def material_contexts(translation: Translation, material: UsdShade.Material) -> dict[str, Update]:
+    """The networks of a material by render context, those that it has, with their terminals."""
+    contexts: dict[str, Update] = {}
+    seen: set[tuple[str, str, str]] = set()
+    for context in translation.options.render_contexts:
+        network = _Network(translation, material)
+        terminals: Update = {}
+        for kind, output in (
+            ("surface", material.GetSurfaceOutput(context)),
+            ("displacement", material.GetDisplacementOutput(context)),
+        ):
+            found = _terminal(output)
+            if found is None:
+                continue
+            shader, name = found
+            terminal = (str(shader.GetPath()), name)
+            if (kind, *terminal) in seen:
+                continue
+            seen.add((kind, *terminal))
+            network.add(shader)
+            terminals[kind] = terminal
+        if terminals:
+            contexts[context] = {
+                "nodes": list(network.nodes.values()),
+                "connections": network.connections,
+                **terminals,
+            }
+    return contexts
 
 
 def _report_other_terminals(translation: Translation, material: UsdShade.Material) -> None:
     for context in translation.options.render_contexts:
-        for output, what in (
-            (material.GetDisplacementOutput(context), "displacement"),
-            (material.GetVolumeOutput(context), "volume"),
-        ):
-            if output and _does_something(output, what):
-                translation.diagnostics.warning(
-                    f"material-{what}-unsupported", material.GetPath(), f"{what} is not rendered yet; it is ignored"
-                )
+        output = material.GetVolumeOutput(context)
+        if output and UsdShade.Utils.GetValueProducingAttributes(output):
+            translation.diagnostics.warning(
+                "material-volume-unsupported", material.GetPath(), "volume is not rendered yet; it is ignored"
+            )
 
 
 # Inputs that make a surface shine, by the names that UsdPreviewSurface and MaterialX's surfaces give them.
@@ -187,7 +188,7 @@ def _may_emit(contexts: dict[str, Update]) -> bool:
 def emit_material(translation: Translation, material: UsdShade.Material) -> None:
     path = str(material.GetPath())
     contexts = material_contexts(translation, material)
-    if not contexts:
+    if not any("surface" in network for network in contexts.values()):
         others = sorted(str(o.GetBaseName()) for o in material.GetOutputs() if o.HasConnectedSource())
         has = f"it has only {', '.join(others)}" if others else "it has no surface at all"
         translation.diagnostics.warning(
