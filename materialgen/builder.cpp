@@ -149,8 +149,6 @@ Material Builder::Build() {
     if (isThere) Say(Severity::Warning, "material-unsupported-feature", network_.path, text);
   };
   unsupported(material.closure.hasSubsurface, "subsurface scattering is rendered as diffuse reflection");
-  unsupported(material.closure.hasThinFilm, "thin film is ignored");
-  unsupported(material.closure.hasRetroreflection, "retroreflection is ignored");
   if (surface.opacity != kNone && !e_.Decide(surface.opacity, 1)) {
     material.opacity = e_.Arithmetic("clamp", {surface.opacity, e_.Number(0), e_.Number(1)});
   }

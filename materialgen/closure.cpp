@@ -133,7 +133,13 @@ class Lineariser {
         const std::vector<Id>& below = interfaces_[node.second];
         const bool sameInterface = top && top->kind == Bsdf::Kind::Lobe && top->interfaceIor != kNone &&
                                    std::find(below.begin(), below.end(), top->interfaceIor) != below.end();
-        Give(node.second, Multiply(w.other, through), sameInterface ? w.transmitted : Multiply(w.transmitted, through));
+        Id passed = sameInterface ? e_.Number(1) : through;
+        if (sameInterface && top->withoutFilm != kNone) {
+          // The lobe below knows the interface without the film, which reflects more or less.
+          const Id plain = e_.Make("throughput", Type::Vec3, {top->withoutFilm}, std::string(top->lobe->name));
+          passed = e_.Arithmetic("divide", {through, e_.Arithmetic("max", {plain, e_.Number(1e-3f)})});
+        }
+        Give(node.second, Multiply(w.other, through), Multiply(w.transmitted, passed));
         return;
       }
       case Bsdf::Kind::Mix: {
@@ -172,8 +178,6 @@ class Lineariser {
     if (e_.Decide(weight, 0)) return;
     result->transmits = result->transmits || node.lobe->transmits;
     result->hasSubsurface = result->hasSubsurface || node.isSubsurface;
-    result->hasThinFilm = result->hasThinFilm || node.hasThinFilm;
-    result->hasRetroreflection = result->hasRetroreflection || node.isRetroreflective;
     for (WeightedLobe& lobe : result->lobes) {
       if (lobe.expression != node.expression) continue;
       lobe.weight = e_.Arithmetic("add", {lobe.weight, weight});

@@ -34,8 +34,9 @@ struct Bsdf {
   Id weight = kNone;        // Lobe: scalar weight, which also scales what it takes from below
   Id tint = kNone;          // Lobe: colour of the response only (MaterialX: takes nothing from below)
   Id interfaceIor = kNone;  // Lobe of a dielectric: the index, to know R and T lobes of the same interface
+  Id withoutFilm = kNone;   // Reflecting lobe of a dielectric under a thin film: the same without film
   // What is not rendered yet; said once if the lobe survives pruning.
-  bool isSubsurface = false, hasThinFilm = false, isRetroreflective = false;
+  bool isSubsurface = false;
 };
 
 struct WeightedLobe {
@@ -49,7 +50,7 @@ struct LinearClosure {
   Id passThrough = kNone;           // weight of light that passes straight through; kNone: none
   Id extinction = kNone;            // of the inside; kNone: clear
   bool transmits = false;
-  bool hasSubsurface = false, hasThinFilm = false, hasRetroreflection = false;
+  bool hasSubsurface = false;
 };
 
 // `root` may be kNone (no BSDF). Lobes whose weight is zero for this material are left out.

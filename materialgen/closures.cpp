@@ -67,8 +67,9 @@ bool NodeEvaluator::AddLobe(Port* result, std::string_view kind, std::vector<Id>
                     !(alpha.rate == Class::Literal && alpha.value[0] == alpha.value[1]) &&
                     !(alpha.op->name == "construct" && alpha.arguments.size() == 1);
     if (!isAnisotropic) {
-      const Id one = e_.Make("swizzle", Type::Float, {arguments.back()}, "x");
-      arguments.back() = e_.Make("one_alpha", Type::Vec2, {one});
+      const Id roughness = In("roughness");
+      const Id one = e_.Make("swizzle", Type::Float, {roughness}, "x");
+      std::replace(arguments.begin(), arguments.end(), roughness, e_.Make("one_alpha", Type::Vec2, {one}));
     }
   }
   arguments.insert(arguments.begin(), FrameOf(isAnisotropic));
@@ -114,27 +115,42 @@ bool NodeEvaluator::EvaluateBsdf(Port* result) {
     // Hair and what else there may be come with their own issues; a graph of the library may still serve.
     return false;
   }
-  const Id film = In("thinfilm_thickness");
-  lobe.hasThinFilm = film != kNone && !e_.Decide(film, 0);
-  const Id retro = In("retroreflective");
-  lobe.isRetroreflective = retro != kNone && e_.Scalar(retro) != 0;
+  // No film, no turned reflection: constants, and the compiler drops what belongs to them.
+  const Id thickness = In("thinfilm_thickness"), retro = In("retroreflective");
+  const Id none = e_.Make("construct", Type::Vec2, {e_.Number(0), e_.Number(1)});
+  const bool hasFilm = thickness != kNone && !e_.Decide(thickness, 0);
+  const Id film = hasFilm ? e_.Make("construct", Type::Vec2, {thickness, In("thinfilm_ior")}) : none;
   std::string scatter = "R";
   InText("scatter_mode", &scatter);
-  if (isConductor) return AddLobe(result, "conductor", {In("ior"), In("extinction"), roughness}, lobe, true);
-  if (isDielectric) {
+  const bool isRefractionOnly = scatter == "T" && !isConductor;
+  std::string kind = "conductor";
+  std::vector<Id> arguments;
+  if (isConductor) {
+    arguments = {In("ior"), In("extinction")};
+  } else if (isDielectric) {
     const Id ior = In("ior");
     lobe.interfaceIor = ior;
     lobe.tint = In("tint");
-    if (scatter == "T") return AddLobe(result, "dielectric_transmission", {white, ior, roughness}, lobe, true);
-    if (scatter == "RT") return AddLobe(result, "dielectric", {white, ior, roughness}, lobe, true);
+    kind = scatter == "T" ? "dielectric_transmission" : scatter == "RT" ? "dielectric" : "dielectric_reflection";
     // Seen from inside the body, the interface is that of the outside: total reflection and all.
-    const Id faced = b_.transmits_ ? e_.Make("faced_ior", Type::Float, {ior}) : ior;
-    return AddLobe(result, "dielectric_reflection", {white, faced, roughness}, lobe, true);
+    const bool isFaced = scatter == "R" && b_.transmits_;
+    arguments = {white, isFaced ? e_.Make("faced_ior", Type::Float, {ior}) : ior};
+  } else {
+    kind = scatter == "T"    ? "generalized_schlick_transmission"
+           : scatter == "RT" ? "generalized_schlick_rt"
+                             : "generalized_schlick";
+    arguments = {In("color0"), In("color82"), In("color90"), In("exponent")};
   }
-  const std::string_view kind = scatter == "T"    ? "generalized_schlick_transmission"
-                                : scatter == "RT" ? "generalized_schlick_rt"
-                                                  : "generalized_schlick";
-  return AddLobe(result, kind, {In("color0"), In("color82"), In("color90"), In("exponent"), roughness}, lobe, true);
+  arguments.push_back(roughness);
+  if (!isRefractionOnly) arguments.push_back(retro);
+  arguments.push_back(film);
+  if (!AddLobe(result, kind, arguments, lobe, true)) return false;
+  if (hasFilm && isDielectric && scatter == "R") {
+    std::vector<Id> plain = e_[b_.bsdfs_[result->id].expression].arguments;
+    plain.back() = none;
+    b_.bsdfs_[result->id].withoutFilm = e_.Make("lobe", Type::Lobe, std::move(plain), kind);
+  }
+  return true;
 }
 
 bool NodeEvaluator::EvaluateCombiner(Port* result) {

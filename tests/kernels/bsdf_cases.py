@@ -19,7 +19,7 @@ def _diffuse(color: list[float]) -> dict[str, list[float]]:
 
 
 def _dielectric() -> dict[str, list[float]]:
-    # tint, ior | alpha
+    # tint, ior | alpha, retroreflective
     return {
         "smooth": [*WHITE, 1.5, *SMOOTH],
         "sharp": [*WHITE, 1.5, *SHARP],
@@ -31,13 +31,17 @@ def _dielectric() -> dict[str, list[float]]:
         "faint": [*WHITE, 1.1, 0.3, 0.3],
         "bubble": [*WHITE, 0.75, 0.15, 0.15],
         "tinted": [*RUST, 1.7, 0.4, 0.4],
+        # retroreflective, - | film: thickness, index
+        "film": [*WHITE, 1.5, 0.1, 0.1, 0.0, 0.0, 420.0, 1.9],
+        "rough film": [*WHITE, 1.5, 0.4, 0.4, 0.0, 0.0, 650.0, 1.33],
+        "retroreflective": [*WHITE, 1.5, *BRUSHED, 1.0],
     }
 
 
 def _schlick() -> dict[str, list[float]]:
     # color0, exponent | color82, - | color90, - | alpha
-    def row(c0, c82, c90, exponent, alpha):
-        return [*c0, exponent, *c82, 0.0, *c90, 0.0, *alpha]
+    def row(c0, c82, c90, exponent, alpha, retroreflective=0.0, film=(0.0, 1.5)):
+        return [*c0, exponent, *c82, retroreflective, *c90, 0.0, *alpha, *film]
 
     glass = [0.04, 0.04, 0.04]
     return {
@@ -49,6 +53,9 @@ def _schlick() -> dict[str, list[float]]:
         "gold": row([1.0, 0.78, 0.34], [0.95, 0.85, 0.6], WHITE, 5.0, SATIN),
         "dark edge": row([0.5, 0.3, 0.2], [0.2, 0.5, 0.9], [0.3, 0.9, 0.6], 3.0, ROUGH),
         "white": row(WHITE, WHITE, WHITE, 5.0, FULL),
+        "film": row(glass, WHITE, WHITE, 5.0, [0.1, 0.1], film=(420.0, 1.9)),
+        "rough film": row(glass, WHITE, WHITE, 5.0, [0.4, 0.4], film=(650.0, 1.33)),
+        "retroreflective": row(glass, WHITE, WHITE, 5.0, BRUSHED, 1.0),
     }
 
 
@@ -63,6 +70,10 @@ def _conductor() -> dict[str, list[float]]:
         "rough": [*gold, 0.0, *gold_k, 0.0, *ROUGH],
         "full": [*silver, 0.0, *silver_k, 0.0, *FULL],
         "brushed": [*silver, 0.0, *silver_k, 0.0, *BRUSHED],
+        # the 0 after ior: retroreflective; after alpha: - | film: thickness, index
+        "film": [*gold, 0.0, *gold_k, 0.0, 0.1, 0.1, 0.0, 0.0, 300.0, 1.6],
+        "rough film": [*silver, 0.0, *silver_k, 0.0, 0.4, 0.4, 0.0, 0.0, 550.0, 1.33],
+        "retroreflective": [*silver, 1.0, *silver_k, 0.0, *BRUSHED],
     }
 
 
@@ -71,13 +82,13 @@ _CASES: dict[str, tuple[str, dict[str, list[float]]]] = {
     "orenNayarCompensated": ("a.rgb, a.w", _diffuse(WHITE)),
     "burley": ("a.rgb, a.w", _diffuse(WHITE)),
     "translucent": ("a.rgb", {"white": WHITE, "coloured": RUST}),
-    "dielectricReflection": ("a.rgb, a.w, b.xy", _dielectric()),
-    "dielectricTransmission": ("a.rgb, a.w, b.xy", _dielectric()),
-    "dielectric": ("a.rgb, a.w, b.xy", _dielectric()),
-    "conductor": ("a.rgb, b.rgb, c.xy", _conductor()),
-    "generalizedSchlick": ("a.rgb, b.rgb, c.rgb, a.w, d.xy", _schlick()),
-    "generalizedSchlickTransmission": ("a.rgb, b.rgb, c.rgb, a.w, d.xy", _schlick()),
-    "generalizedSchlickRt": ("a.rgb, b.rgb, c.rgb, a.w, d.xy", _schlick()),
+    "dielectricReflection": ("a.rgb, a.w, b.xy, b.z != 0.0, c.xy", _dielectric()),
+    "dielectricTransmission": ("a.rgb, a.w, b.xy, c.xy", _dielectric()),
+    "dielectric": ("a.rgb, a.w, b.xy, b.z != 0.0, c.xy", _dielectric()),
+    "conductor": ("a.rgb, b.rgb, c.xy, a.w != 0.0, d.xy", _conductor()),
+    "generalizedSchlick": ("a.rgb, b.rgb, c.rgb, a.w, d.xy, b.w != 0.0, d.zw", _schlick()),
+    "generalizedSchlickTransmission": ("a.rgb, b.rgb, c.rgb, a.w, d.xy, d.zw", _schlick()),
+    "generalizedSchlickRt": ("a.rgb, b.rgb, c.rgb, a.w, d.xy, b.w != 0.0, d.zw", _schlick()),
     "sheenContyKulla": (
         "a.rgb, a.w",
         {f"roughness {r}": [*WHITE, r] for r in (0.07, 0.15, 0.3, 0.6, 1.0)} | {"coloured": [*RUST, 0.4]},
@@ -117,6 +128,10 @@ def albedo_tolerance(lobe: Lobe, name: str) -> float:
     """How far fooAlbedo may be from the lobe's albedo: closed forms hardly, fits as their files promise."""
     if lobe.name in ("orenNayar", "orenNayarCompensated", "burley", "translucent"):
         return 0.002
+    if name == "retroreflective":
+        name = "brushed"
+    if name in ("film", "rough film"):
+        return 0.06 if lobe.transmissive else 0.045  # two cosines of a curve that oscillates
     if lobe.transmissive and name == "brushed":
         return 0.1  # only steers the choice of a lobe
     if name in ("brushed", "bubble"):
@@ -135,7 +150,9 @@ def energy_bound(lobe: Lobe, name: str) -> float:
         return 1.004
     if lobe.name == "generalizedSchlickRt" and name in ("dark edge", "gold"):
         return 1.035  # not a dielectric's curve: R + T = 1 is approximate
+    if "film" in name and lobe.name in ("dielectric", "generalizedSchlickRt"):
+        return 1.015
     # The compensation divides by fits (0.5 %; refraction of anisotropic lobes: 2 %).
     if lobe.name in ("dielectric", "generalizedSchlickRt", "dielectricTransmission", "generalizedSchlickTransmission"):
-        return 1.02 if name == "brushed" else 1.005
+        return 1.02 if name in ("brushed", "retroreflective") else 1.005
     return 1.006 if lobe.name in ("conductor", "generalizedSchlick", "dielectricReflection") else 1.0

@@ -23,6 +23,7 @@ CELL_POINTS = 8  # midpoints per cell and axis
 _KERNEL = """
 #version 460
 #extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_control_flow_attributes : require
 #extension GL_EXT_samplerless_texture_functions : require
 layout(binding = 22) uniform utextureBuffer lobeTable;
 #include "lib/bsdf/{file}.glsl"

@@ -250,9 +250,19 @@ TEST(MaterialGen, UnsupportedFeaturesAreSaidOnce) {
     });
   };
   EXPECT_EQ(count({{"subsurface", 0.5f}}), 1);
-  EXPECT_EQ(count({{"thin_film_thickness", 300.0f}}), 1);
+  EXPECT_EQ(count({{"thin_film_thickness", 300.0f}}), 0);
   EXPECT_EQ(count({{"subsurface", 1.0f}, {"metalness", 1.0f}}), 0);
-  EXPECT_EQ(count({{"thin_film_thickness", 300.0f}, {"metalness", 0.5f}, {"subsurface", 0.5f}}), 2);
+  EXPECT_EQ(count({{"thin_film_thickness", 300.0f}, {"metalness", 0.5f}, {"subsurface", 0.5f}}), 1);
+}
+
+// A film is a value of the lobe; a kernel without film holds a constant in its place.
+TEST(MaterialGen, ThinFilmIsPartOfTheLobe) {
+  const Result film = RunNetwork(Standard({{"thin_film_thickness", 300.0f}})), plain = RunNetwork(Standard({}));
+  EXPECT_EQ(Lobes(film), Lobes(plain));
+  EXPECT_NE(film.material.kernel->key, plain.material.kernel->key);
+  EXPECT_EQ(film.material.kernel->key, RunNetwork(Standard({{"thin_film_thickness", 500.0f}})).material.kernel->key);
+  EXPECT_NE(plain.material.kernel->surface.find("false, vec2(0.0, 1.0))"), std::string::npos);
+  ExpectCompiles(RunNetwork(Standard({{"thin_film_thickness", 300.0f}, {"transmission", 1.0f}})).material, "glass film");
 }
 
 // MaterialX's graph of standard_surface leaves these out; a user who sets them has to know.

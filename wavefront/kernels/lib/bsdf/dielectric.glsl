@@ -10,21 +10,25 @@
 #include "ggx_albedo.glsl"
 #include "interface_table.glsl"
 #include "microfacet.glsl"
+#include "thin_film.glsl"
 
 struct DielectricLobe {
     vec3 tint;
     float eta; // index beyond / index on wo's side
     vec2 alpha;
     float loss, gain;
+    bool retroreflective;
+    vec2 film;
 };
 
-DielectricLobe dielectricMake(vec3 wo, vec3 tint, float ior, vec2 roughness)
+DielectricLobe dielectricMake(vec3 wo, vec3 tint, float ior, vec2 roughness, bool retroreflective, vec2 film)
 {
     vec2 alpha = ggxAlpha(roughness);
     float n = ggxRefractiveIndex(ior);
     float eta = wo.z < 0.0 ? 1.0 / n : n;
     float gain = ggxInterface(abs(wo.z), ggxViewAlpha(wo, alpha), eta).gain;
-    return DielectricLobe(bsdfClamp(tint, 0.0, 1.0), eta, alpha, ggxLoss(wo, alpha), gain);
+    return DielectricLobe(bsdfClamp(tint, 0.0, 1.0), eta, alpha, ggxLoss(wo, alpha), gain, retroreflective,
+                          thinFilmMake(film));
 }
 
 vec4 dielectricEval(DielectricLobe l, vec3 wo, vec3 wi)
@@ -33,10 +37,12 @@ vec4 dielectricEval(DielectricLobe l, vec3 wo, vec3 wi)
     wo.z *= side;
     wi.z *= side;
     bool reflects = wi.z > 0.0;
-    vec3 g = reflects ? ggxReflection(wo, wi, l.alpha) : ggxTransmission(wo, wi, l.alpha, l.eta);
-    float f = fresnelDielectric(g.z, l.eta);
-    float pdf = g.x * (reflects ? f : 1.0 - f);
-    return vec4(l.tint * (pdf * g.y * (reflects ? 1.0 + f * l.loss : l.gain)), pdf);
+    vec3 g = reflects ? ggxReflection(wo, ggxTurn(wi, l.retroreflective), l.alpha)
+                      : ggxTransmission(wo, wi, l.alpha, l.eta);
+    vec3 f = fresnelDielectric(g.z, l.eta, l.film);
+    float p = interfaceChoice(f);
+    vec3 value = reflects ? ggxCompensate(f, l.loss) : l.gain * (vec3(1.0) - f);
+    return vec4(l.tint * value * (g.x * g.y), g.x * (reflects ? p : 1.0 - p));
 }
 
 vec3 dielectricSample(DielectricLobe l, vec3 wo, vec3 u)
@@ -44,8 +50,9 @@ vec3 dielectricSample(DielectricLobe l, vec3 wo, vec3 u)
     float side = bsdfSide(wo);
     wo.z *= side;
     vec3 m = ggxSampleNormal(wo, l.alpha, u.xy);
-    vec3 wi = u.z < fresnelDielectric(min(dot(wo, m), 1.0), l.eta) ? ggxReflect(wo, m) : ggxRefract(wo, m, l.eta);
-    return vec3(wi.xy, wi.z * side);
+    bool reflects = u.z < interfaceChoice(fresnelDielectric(min(dot(wo, m), 1.0), l.eta, l.film));
+    vec3 wi = reflects ? ggxReflect(wo, m) : ggxRefract(wo, m, l.eta);
+    return ggxTurn(vec3(wi.xy, wi.z * side), l.retroreflective && reflects);
 }
 
 vec3 dielectricAlbedo(DielectricLobe l, vec3 wo) { return l.tint; }

@@ -11,22 +11,27 @@
 #include "ggx_albedo.glsl"
 #include "interface_table.glsl"
 #include "microfacet.glsl"
+#include "thin_film.glsl"
 
 struct DielectricTransmissionLobe {
     vec3 tint;
     float eta; // index beyond / index on wo's side
     vec2 alpha;
     float gain;
-    float transmitted; // albedo without tint
+    vec3 transmitted; // albedo without tint
+    vec2 film;
 };
 
-DielectricTransmissionLobe dielectricTransmissionMake(vec3 wo, vec3 tint, float ior, vec2 roughness)
+DielectricTransmissionLobe dielectricTransmissionMake(vec3 wo, vec3 tint, float ior, vec2 roughness, vec2 film)
 {
     vec2 alpha = ggxAlpha(roughness);
     float n = ggxRefractiveIndex(ior);
     float eta = wo.z < 0.0 ? 1.0 / n : n;
     GgxInterface i = ggxInterface(abs(wo.z), ggxViewAlpha(wo, alpha), eta);
-    return DielectricTransmissionLobe(bsdfClamp(tint, 0.0, 1.0), eta, alpha, i.gain, 1.0 - i.reflected);
+    film = thinFilmMake(film);
+    vec3 reflected = vec3(i.reflected);
+    if (film.x > 0.0) reflected = filmAlbedo(ggxMean(wo, alpha), ggxLoss(wo, alpha), eta, i.reflected, film);
+    return DielectricTransmissionLobe(bsdfClamp(tint, 0.0, 1.0), eta, alpha, i.gain, vec3(1.0) - reflected, film);
 }
 
 vec4 dielectricTransmissionEval(DielectricTransmissionLobe l, vec3 wo, vec3 wi)
@@ -35,7 +40,7 @@ vec4 dielectricTransmissionEval(DielectricTransmissionLobe l, vec3 wo, vec3 wi)
     wo.z *= side;
     wi.z *= side;
     vec3 g = ggxTransmission(wo, wi, l.alpha, l.eta);
-    return vec4(l.tint * (l.gain * g.x * g.y * (1.0 - fresnelDielectric(g.z, l.eta))), g.x);
+    return vec4(l.tint * (l.gain * g.x * g.y) * (vec3(1.0) - fresnelDielectric(g.z, l.eta, l.film)), g.x);
 }
 
 vec3 dielectricTransmissionSample(DielectricTransmissionLobe l, vec3 wo, vec3 u)

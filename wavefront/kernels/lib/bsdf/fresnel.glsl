@@ -34,6 +34,14 @@ vec3 fresnelConductor(float cosI, vec3 n, vec3 k)
     return 0.5 * rs * (1.0 + (t3 - t4) / max(t3 + t4, vec3(1e-20)));
 }
 
+// Probability of reflection where an interface chooses: both events keep a chance wherever some channel has them. Of a
+// grey term, the term itself.
+float interfaceChoice(vec3 f)
+{
+    float high = max(f.x, max(f.y, f.z)), low = min(f.x, min(f.y, f.z));
+    return high == low ? low : clamp(bsdfMean(f), min(0.05, high), max(0.95, low));
+}
+
 // Schlick with free ends and exponent, and Hoffman's term that sets the value at about 82 degrees
 // (Hoffman 2023, "Generalization of Adobe's Fresnel model"), as MaterialX 1.39.
 struct SchlickFresnel {

@@ -8,24 +8,31 @@
 #include "fresnel.glsl"
 #include "ggx_albedo.glsl"
 #include "microfacet.glsl"
+#include "thin_film.glsl"
 
 struct GeneralizedSchlickLobe {
     SchlickFresnel fresnel;
     vec2 alpha;
     float loss; // see ggxLoss
     vec3 reflected;
+    bool retroreflective;
+    vec2 film;
 };
 
 GeneralizedSchlickLobe generalizedSchlickMake(vec3 wo, vec3 color0, vec3 color82, vec3 color90, float exponent,
-                                              vec2 roughness)
+                                              vec2 roughness, bool retroreflective, vec2 film)
 {
     SchlickFresnel s = schlickFresnelMake(color0, color82, color90, exponent);
     vec2 alpha = ggxAlpha(roughness);
     float loss = ggxLoss(wo, alpha);
     GgxMean mean = ggxMean(wo, alpha);
-    vec3 reflected = ggxCompensatedAlbedo(mean, loss, fresnelSchlick(mean.cosine.x, s),
-                                          fresnelSchlick(mean.cosine.y, s));
-    return GeneralizedSchlickLobe(s, alpha, loss, reflected);
+    film = thinFilmMake(film);
+    vec3 sum = vec3(0.0);
+    [[dont_unroll]] for (int i = 0; i < 2; ++i) {
+        vec3 f = fresnelSchlick(i == 0 ? mean.cosine.x : mean.cosine.y, s, film);
+        sum += (i == 0 ? mean.share.x : mean.share.y) * ggxCompensate(f, loss);
+    }
+    return GeneralizedSchlickLobe(s, alpha, loss, sum / (1.0 + loss), retroreflective, film);
 }
 
 vec4 generalizedSchlickEval(GeneralizedSchlickLobe l, vec3 wo, vec3 wi)
@@ -33,8 +40,8 @@ vec4 generalizedSchlickEval(GeneralizedSchlickLobe l, vec3 wo, vec3 wi)
     float side = bsdfSide(wo);
     wo.z *= side;
     wi.z *= side;
-    vec3 g = ggxReflection(wo, wi, l.alpha);
-    return vec4((g.x * g.y) * ggxCompensate(fresnelSchlick(g.z, l.fresnel), l.loss), g.x);
+    vec3 g = ggxReflection(wo, ggxTurn(wi, l.retroreflective), l.alpha);
+    return vec4((g.x * g.y) * ggxCompensate(fresnelSchlick(g.z, l.fresnel, l.film), l.loss), g.x);
 }
 
 vec3 generalizedSchlickSample(GeneralizedSchlickLobe l, vec3 wo, vec3 u)
@@ -42,7 +49,7 @@ vec3 generalizedSchlickSample(GeneralizedSchlickLobe l, vec3 wo, vec3 u)
     float side = bsdfSide(wo);
     wo.z *= side;
     vec3 wi = ggxReflect(wo, ggxSampleNormal(wo, l.alpha, u.xy));
-    return vec3(wi.xy, wi.z * side);
+    return ggxTurn(vec3(wi.xy, wi.z * side), l.retroreflective);
 }
 
 vec3 generalizedSchlickAlbedo(GeneralizedSchlickLobe l, vec3 wo) { return l.reflected; }

@@ -12,25 +12,19 @@ struct GeneralizedSchlickRtLobe {
     vec2 alpha;
     float eta; // index beyond / index on wo's side
     float loss, gain;
+    bool retroreflective;
+    vec2 film;
 };
 
 GeneralizedSchlickRtLobe generalizedSchlickRtMake(vec3 wo, vec3 color0, vec3 color82, vec3 color90, float exponent,
-                                                  vec2 roughness)
+                                                  vec2 roughness, bool retroreflective, vec2 film)
 {
     SchlickFresnel s = schlickFresnelMake(color0, color82, color90, exponent);
     vec2 alpha = ggxAlpha(roughness);
     float n = schlickIndex(s);
     float eta = wo.z < 0.0 ? 1.0 / n : n;
     float gain = ggxInterface(abs(wo.z), ggxViewAlpha(wo, alpha), eta).gain;
-    return GeneralizedSchlickRtLobe(s, alpha, eta, ggxLoss(wo, alpha), gain);
-}
-
-// Probability of reflection: both events keep a chance wherever some channel has them.
-float generalizedSchlickRtChoice(vec3 f)
-{
-    float low = min(0.05, max(f.x, max(f.y, f.z)));
-    float high = max(0.95, min(f.x, min(f.y, f.z)));
-    return clamp(bsdfMean(f), low, high);
+    return GeneralizedSchlickRtLobe(s, alpha, eta, ggxLoss(wo, alpha), gain, retroreflective, thinFilmMake(film));
 }
 
 vec4 generalizedSchlickRtEval(GeneralizedSchlickRtLobe l, vec3 wo, vec3 wi)
@@ -39,9 +33,10 @@ vec4 generalizedSchlickRtEval(GeneralizedSchlickRtLobe l, vec3 wo, vec3 wi)
     wo.z *= side;
     wi.z *= side;
     bool reflects = wi.z > 0.0;
-    vec3 g = reflects ? ggxReflection(wo, wi, l.alpha) : ggxTransmission(wo, wi, l.alpha, l.eta);
-    vec3 f = fresnelSchlickInterface(g.z, l.eta, l.fresnel);
-    float p = generalizedSchlickRtChoice(f);
+    vec3 g = reflects ? ggxReflection(wo, ggxTurn(wi, l.retroreflective), l.alpha)
+                      : ggxTransmission(wo, wi, l.alpha, l.eta);
+    vec3 f = fresnelSchlickInterface(g.z, l.eta, l.fresnel, l.film);
+    float p = interfaceChoice(f);
     vec3 value = reflects ? ggxCompensate(f, l.loss) : l.gain * (vec3(1.0) - f);
     return vec4(value * (g.x * g.y), g.x * (reflects ? p : 1.0 - p));
 }
@@ -51,9 +46,9 @@ vec3 generalizedSchlickRtSample(GeneralizedSchlickRtLobe l, vec3 wo, vec3 u)
     float side = bsdfSide(wo);
     wo.z *= side;
     vec3 m = ggxSampleNormal(wo, l.alpha, u.xy);
-    float p = generalizedSchlickRtChoice(fresnelSchlickInterface(min(dot(wo, m), 1.0), l.eta, l.fresnel));
-    vec3 wi = u.z < p ? ggxReflect(wo, m) : ggxRefract(wo, m, l.eta);
-    return vec3(wi.xy, wi.z * side);
+    bool reflects = u.z < interfaceChoice(fresnelSchlickInterface(min(dot(wo, m), 1.0), l.eta, l.fresnel, l.film));
+    vec3 wi = reflects ? ggxReflect(wo, m) : ggxRefract(wo, m, l.eta);
+    return ggxTurn(vec3(wi.xy, wi.z * side), l.retroreflective && reflects);
 }
 
 vec3 generalizedSchlickRtAlbedo(GeneralizedSchlickRtLobe l, vec3 wo) { return vec3(1.0); }

@@ -12,18 +12,20 @@ struct GeneralizedSchlickTransmissionLobe {
     float eta; // index beyond / index on wo's side
     float gain;
     vec3 transmitted;
+    vec2 film;
 };
 
 GeneralizedSchlickTransmissionLobe generalizedSchlickTransmissionMake(vec3 wo, vec3 color0, vec3 color82, vec3 color90,
-                                                                      float exponent, vec2 roughness)
+                                                                      float exponent, vec2 roughness, vec2 film)
 {
     SchlickFresnel s = schlickFresnelMake(color0, color82, color90, exponent);
     vec2 alpha = ggxAlpha(roughness);
     float n = schlickIndex(s);
     float eta = wo.z < 0.0 ? 1.0 / n : n;
     GgxInterface i = ggxInterface(abs(wo.z), ggxViewAlpha(wo, alpha), eta);
-    vec3 reflected = schlickReflected(wo, alpha, ggxLoss(wo, alpha), eta, i.reflected, s);
-    return GeneralizedSchlickTransmissionLobe(s, alpha, eta, i.gain, vec3(1.0) - reflected);
+    film = thinFilmMake(film);
+    vec3 reflected = schlickReflected(wo, alpha, ggxLoss(wo, alpha), eta, i.reflected, s, film);
+    return GeneralizedSchlickTransmissionLobe(s, alpha, eta, i.gain, vec3(1.0) - reflected, film);
 }
 
 vec4 generalizedSchlickTransmissionEval(GeneralizedSchlickTransmissionLobe l, vec3 wo, vec3 wi)
@@ -32,7 +34,7 @@ vec4 generalizedSchlickTransmissionEval(GeneralizedSchlickTransmissionLobe l, ve
     wo.z *= side;
     wi.z *= side;
     vec3 g = ggxTransmission(wo, wi, l.alpha, l.eta);
-    vec3 f = fresnelSchlickInterface(g.z, l.eta, l.fresnel);
+    vec3 f = fresnelSchlickInterface(g.z, l.eta, l.fresnel, l.film);
     return vec4((vec3(1.0) - f) * (l.gain * g.x * g.y), g.x);
 }
 

@@ -82,6 +82,11 @@ vec3 ggxRefract(vec3 wo, vec3 m, float eta)
     return g2 > 0.0 && wi.z < 0.0 ? normalize(wi) : vec3(0.0);
 }
 
+// MaterialX's `retroreflective`: what would leave to the mirror direction leaves towards wo instead. The lobe
+// reflects as ever (its distribution knows no difference between a direction's azimuth and the opposite one) and wi
+// is turned.
+vec3 ggxTurn(vec3 wi, bool retroreflective) { return retroreflective ? vec3(-wi.xy, wi.z) : wi; }
+
 // `ior` of a refracting lobe. Half vectors need some contrast between the two sides: 1 becomes 1.01 (F0 = 2.5e-5).
 float ggxRefractiveIndex(float ior)
 {

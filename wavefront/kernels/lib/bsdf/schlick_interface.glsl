@@ -9,6 +9,7 @@
 #include "ggx_albedo.glsl"
 #include "interface_table.glsl"
 #include "microfacet.glsl"
+#include "thin_film.glsl"
 
 float schlickIndex(SchlickFresnel s)
 {
@@ -17,22 +18,25 @@ float schlickIndex(SchlickFresnel s)
 }
 
 // Schlick's cosine is the one in the thinner medium; beyond the critical angle everything reflects.
-vec3 fresnelSchlickInterface(float cosI, float eta, SchlickFresnel s)
+vec3 fresnelSchlickInterface(float cosI, float eta, SchlickFresnel s, vec2 film)
 {
     float cosT2 = 1.0 - (1.0 - cosI * cosI) / (eta * eta);
-    vec3 f = fresnelSchlick(eta < 1.0 ? sqrt(max(cosT2, 0.0)) : cosI, s);
+    vec3 f = fresnelSchlick(eta < 1.0 ? sqrt(max(cosT2, 0.0)) : cosI, s, film);
     return cosT2 > 0.0 ? f : vec3(1.0);
 }
 
 // Albedo of the compensated reflection; `reflected` is that of the dielectric of the same index. Refraction is scaled
 // as that dielectric's: R + T = 1 within 0.5 % where Schlick's curve is like a dielectric's (the default), within 3.5
 // % where it is not.
-vec3 schlickReflected(vec3 wo, vec2 alpha, float loss, float eta, float reflected, SchlickFresnel s)
+vec3 schlickReflected(vec3 wo, vec2 alpha, float loss, float eta, float reflected, SchlickFresnel s,
+                      vec2 film)
 {
     GgxMean mean = ggxMean(wo, alpha);
-    vec3 outer = ggxCompensatedAlbedo(mean, loss, fresnelSchlick(mean.cosine.x, s), fresnelSchlick(mean.cosine.y, s));
+    vec3 outer = ggxCompensatedAlbedo(mean, loss, fresnelSchlick(mean.cosine.x, s, film),
+                                      fresnelSchlick(mean.cosine.y, s, film));
     // From the inside two cosines do not catch the critical angle: the dielectric's, by the colour at normal incidence.
-    vec3 passing = (1.0 - reflected) * (vec3(1.0) - s.f0) / max(1.0 - bsdfMean(s.f0), 0.1);
+    vec3 normal = vec3(1.0) - fresnelSchlick(1.0, s, film);
+    vec3 passing = (1.0 - reflected) * normal / max(1.0 - bsdfMean(s.f0), 0.1);
     return eta > 1.0 ? min(outer, vec3(1.0)) : vec3(1.0) - min(passing, vec3(1.0));
 }
 
