@@ -11,7 +11,7 @@ import gc
 from collections.abc import Callable
 from typing import Any
 
-from pxr import Gf, Usd, UsdGeom, UsdShade
+from pxr import Gf, Sdf, Usd, UsdGeom, UsdShade
 
 from ..errors import Diagnostics
 from .context import Options, PrimContext, Rprim, Sink, Translation, schema_type
@@ -184,13 +184,14 @@ def _bind_materials(walk: _Walk) -> dict[str, UsdShade.Material]:
     if not prims:
         return materials
     bound, _ = UsdShade.MaterialBindingAPI.ComputeBoundMaterials(prims, translation.options.material_purpose)
+    seen: set[Sdf.Path] = set()  # whose bindings to nothing were said
 
     def path_of(prim: Usd.Prim, material: UsdShade.Material, fallback: str) -> str:
         if material and material.GetPrim():
             path = str(material.GetPath())
             materials.setdefault(path, material)
             return path
-        _report_dangling_binding(translation, prim)
+        _report_dangling_bindings(translation, prim, seen)
         if fallback and fallback not in materials:
             materials[fallback] = UsdShade.Material(translation.stage.GetPrimAtPath(fallback))
         return fallback
@@ -206,15 +207,24 @@ def _bind_materials(walk: _Walk) -> dict[str, UsdShade.Material]:
     return materials
 
 
-def _report_dangling_binding(translation: Translation, prim: Usd.Prim) -> None:
-    binding = prim.GetRelationship("material:binding")
-    if not binding:
-        return
-    for target in binding.GetTargets():
-        if not UsdShade.Material(translation.stage.GetPrimAtPath(target)):
-            translation.diagnostics.warning(
-                "material-missing", prim.GetPath(), f"the bound material {target} does not exist; the default is used"
-            )
+def _report_dangling_bindings(translation: Translation, prim: Usd.Prim, seen: set[Sdf.Path]) -> None:
+    """Bindings of the prim, or of one above, to materials that do not exist: each is said once, where it stands."""
+    purpose = translation.options.material_purpose
+    direct = {"material:binding", f"material:binding:{purpose}"}
+    while prim and prim.GetPath() not in seen:
+        seen.add(prim.GetPath())
+        for relation in prim.GetAuthoredPropertiesInNamespace("material"):
+            is_collection = relation.GetName().startswith("material:binding:collection:")
+            if relation.GetName() not in direct and not is_collection:
+                continue
+            for target in relation.GetTargets():
+                if target.IsPrimPath() and not UsdShade.Material(translation.stage.GetPrimAtPath(target)):
+                    translation.diagnostics.warning(
+                        "material-missing",
+                        prim.GetPath(),
+                        f"the bound material {target} does not exist; the default is used",
+                    )
+        prim = prim.GetParent()
 
 
 def _emit(translation: Translation, rprim: Rprim) -> None:
