@@ -103,8 +103,8 @@ class _Replacements:
             if isinstance(layer, str):
                 diagnostics.warning("mtlx-reference-unsupported", site, f"the materials of {file} are missing: {layer}")
                 continue
-            for code, text in self._said[file]:
-                diagnostics.warning(code, file, text)
+            for code, text in self._said.pop(file, ()):  # once, at the first prim that refers to the file
+                diagnostics.warning(code, site, f"{file}: {text}")
             if site == "/":  # a sublayer: its prims stand where they are
                 for spec in layer.rootPrims:
                     wanted[(spec.path, holder.add(layer, spec.path))] = None
