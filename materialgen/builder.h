@@ -128,6 +128,7 @@ class NodeEvaluator {
   bool EvaluateImage(Port* result);
   bool EvaluateNormalMap(Port* result);
   bool EvaluateMicrofacet(Port* result);
+  bool EvaluateHair(Port* result);
   bool EvaluateBsdf(Port* result);
   bool EvaluateCombiner(Port* result);
   bool EvaluateEmission(Port* result);

@@ -22,6 +22,7 @@ constexpr LobeKind kLobes[] = {
     {"generalized_schlick", "generalizedSchlick", "GeneralizedSchlickLobe"},
     {"generalized_schlick_transmission", "generalizedSchlickTransmission", "GeneralizedSchlickTransmissionLobe", true},
     {"generalized_schlick_rt", "generalizedSchlickRt", "GeneralizedSchlickRtLobe", true},
+    {"chiang_hair", "chiangHair", "ChiangHairLobe", false, true},
     {"sheen_conty_kulla", "sheenContyKulla", "SheenContyKullaLobe"},
     {"sheen_zeltner", "sheenZeltner", "SheenZeltnerLobe"},
 };

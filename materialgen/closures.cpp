@@ -14,7 +14,9 @@ namespace materialgen {
 // what assets are made for (cut-out leaves, windows of one sheet).
 bool NodeEvaluator::EvaluateOverride(Port* result) {
   if (!node_.owner) return false;
-  if (node_.owner->category == "standard_surface" && node_.name == "transmission_bsdf") return EvaluateTransmissionDepth(result);
+  if (node_.owner->category == "standard_surface" && node_.name == "transmission_bsdf") {
+    return EvaluateTransmissionDepth(result);
+  }
   if (node_.owner->category != "UsdPreviewSurface") return false;
   if (node_.name == "transmission_bsdf") {
     Bsdf through;
@@ -50,9 +52,10 @@ bool NodeEvaluator::EvaluateTransmissionDepth(Port* result) {
   return true;
 }
 
-// A frame per distinct (normal, tangent); isotropic lobes need no tangent.
+// A frame per distinct (normal, tangent); isotropic lobes need no tangent. Hair runs along its tangent.
 Id NodeEvaluator::FrameOf(bool isAnisotropic) {
-  const Id normal = In("normal", Type::Vec3), tangent = In("tangent", Type::Vec3);
+  const Id normal = In("normal", Type::Vec3), direction = In("curve_direction", Type::Vec3);
+  const Id tangent = direction == kNone ? In("tangent", Type::Vec3) : direction;
   const Id given = normal == kNone ? e_.Make("normal_world", Type::Vec3, {}) : normal;
   if (isAnisotropic && tangent != kNone) return e_.Make("frame", Type::Frame, {given, tangent});
   return e_.Make("frame", Type::Frame, {given});
@@ -60,7 +63,7 @@ Id NodeEvaluator::FrameOf(bool isAnisotropic) {
 
 bool NodeEvaluator::AddLobe(Port* result, std::string_view kind, std::vector<Id> arguments, Bsdf lobe, bool hasAlpha) {
   if (std::count(arguments.begin(), arguments.end(), kNone)) return false;
-  bool isAnisotropic = false;
+  bool isAnisotropic = kind == "chiang_hair";
   if (hasAlpha) {
     const Expression& alpha = e_[In("roughness", Type::Vec2)];
     isAnisotropic = alpha.op->name != "isotropic_alpha" &&
@@ -109,10 +112,18 @@ bool NodeEvaluator::EvaluateBsdf(Port* result) {
     lobe.tint = color;
     return AddLobe(result, mode == "zeltner" ? "sheen_zeltner" : "sheen_conty_kulla", {white, roughness}, lobe, false);
   }
+  if (category == "chiang_hair_bsdf") {
+    std::vector<Id> arguments;
+    for (const char* input : {"tint_R", "tint_TT", "tint_TRT", "ior", "roughness_R", "roughness_TT", "roughness_TRT",
+                              "cuticle_angle", "absorption_coefficient"}) {
+      arguments.push_back(In(input));
+    }
+    return AddLobe(result, "chiang_hair", std::move(arguments), lobe, false);
+  }
   const bool isDielectric = category == "dielectric_bsdf", isSchlick = category == "generalized_schlick_bsdf";
   const bool isConductor = category == "conductor_bsdf";
   if (!isDielectric && !isSchlick && !isConductor) {
-    // Hair and what else there may be come with their own issues; a graph of the library may still serve.
+    // A graph of the library may still serve.
     return false;
   }
   // No film, no turned reflection: constants, and the compiler drops what belongs to them.

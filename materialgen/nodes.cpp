@@ -94,7 +94,8 @@ bool NodeEvaluator::Evaluate(Port* result) {
   if (type == Type::Surface) return EvaluateSurface(result);
   if (type == Type::Displacement) return EvaluateDisplacement(result);
   return EvaluateArithmetic(result) || EvaluateChannels(result) || EvaluateChoice(result) || EvaluateGeometry(result) ||
-         EvaluateImage(result) || EvaluateNormalMap(result) || EvaluateMicrofacet(result) || EvaluateEmission(result);
+         EvaluateImage(result) || EvaluateNormalMap(result) || EvaluateMicrofacet(result) || EvaluateHair(result) ||
+         EvaluateEmission(result);
 }
 
 void NodeEvaluator::Unsupported(const std::string& what) {

@@ -77,6 +77,21 @@ def _conductor() -> dict[str, list[float]]:
     }
 
 
+def _hair() -> dict[str, list[float]]:
+    # absorption, ior | roughness of R, of TT | roughness of TRT, cuticle angle, - | tint
+    def row(absorption, v, s, cuticle=0.5, ior=1.55, tint=1.0):
+        return [*absorption, ior, v, s, v / 4, s, min(4 * v, 1.0), s, cuticle, 0.0, tint, tint, tint]
+
+    return {
+        "clear": row([0.0] * 3, 0.02, 0.2),
+        "sharp": row([0.0] * 3, 0.005, 0.1),
+        "rough": row([0.0] * 3, 0.3, 0.6),
+        "full": row([0.0] * 3, 1.0, 1.0),
+        "blond": row([0.1, 0.3, 0.8], 0.02, 0.2, 0.52),
+        "tilted": row([0.5, 1.0, 2.0], 0.05, 0.3, 0.45, 1.3, 0.8),
+    }
+
+
 _CASES: dict[str, tuple[str, dict[str, list[float]]]] = {
     "orenNayar": ("a.rgb, a.w", _diffuse(WHITE)),
     "orenNayarCompensated": ("a.rgb, a.w", _diffuse(WHITE)),
@@ -89,6 +104,7 @@ _CASES: dict[str, tuple[str, dict[str, list[float]]]] = {
     "generalizedSchlick": ("a.rgb, b.rgb, c.rgb, a.w, d.xy, b.w != 0.0, d.zw", _schlick()),
     "generalizedSchlickTransmission": ("a.rgb, b.rgb, c.rgb, a.w, d.xy, d.zw", _schlick()),
     "generalizedSchlickRt": ("a.rgb, b.rgb, c.rgb, a.w, d.xy, b.w != 0.0, d.zw", _schlick()),
+    "chiangHair": ("d.rgb, d.rgb, d.rgb, a.w, b.xy, b.zw, c.xy, c.z, a.rgb", _hair()),
     "sheenContyKulla": (
         "a.rgb, a.w",
         {f"roughness {r}": [*WHITE, r] for r in (0.07, 0.15, 0.3, 0.6, 1.0)} | {"coloured": [*RUST, 0.4]},
@@ -116,7 +132,7 @@ VIEWS = {
 def index_of(lobe: Lobe, name: str) -> float:
     """Index of the medium behind the surface (1 in front), for the lobes that refract."""
     values = lobe.sets[name]
-    if not lobe.transmissive or lobe.name == "translucent":
+    if not lobe.transmissive or lobe.name in ("translucent", "chiangHair"):
         return 1.0
     if lobe.name.startswith("dielectric"):
         return min(max(values[3], 0.1), 10.0)
@@ -126,7 +142,7 @@ def index_of(lobe: Lobe, name: str) -> float:
 
 def albedo_tolerance(lobe: Lobe, name: str) -> float:
     """How far fooAlbedo may be from the lobe's albedo: closed forms hardly, fits as their files promise."""
-    if lobe.name in ("orenNayar", "orenNayarCompensated", "burley", "translucent"):
+    if lobe.name in ("orenNayar", "orenNayarCompensated", "burley", "translucent", "chiangHair"):
         return 0.002
     if name == "retroreflective":
         name = "brushed"
