@@ -48,8 +48,9 @@ Type NumbersOf(const Value& value, Constant* out) {
 
 }  // namespace
 
-Builder::Builder(Library* library, const MaterialNetwork& network, Expressions* expressions, bool transmits)
-    : library_(*library), network_(network), e_(*expressions), transmits_(transmits) {}
+Builder::Builder(Library* library, const MaterialNetwork& network, Expressions* expressions,
+                 const SurfaceFacts& facts)
+    : library_(*library), network_(network), e_(*expressions), facts_(facts) {}
 
 void Builder::Say(Severity severity, const std::string& code, const std::string& location, const std::string& text) {
   const std::string where = location.empty() ? network_.path : location;
@@ -145,6 +146,8 @@ Material Builder::Build() {
   }
   Material material;
   material.closure = Linearise(&e_, bsdfs_, surface.bsdf);
+  if (surface.isThinWalled) material.closure.extinction = kNone;
+  material.facts = {material.closure.transmits, surface.isThinWalled};
   const auto unsupported = [&](bool isThere, const char* text) {
     if (isThere) Say(Severity::Warning, "material-unsupported-feature", network_.path, text);
   };

@@ -16,10 +16,18 @@
 
 namespace materialgen {
 
+// What closures must know of the whole surface before it is built: found by a pass, given to the next.
+struct SurfaceFacts {
+  bool transmits = false;     // lobes refract into a body: reflection inside must know the side
+  bool isThinWalled = false;  // no inside: nothing bends, and no medium is entered
+  bool operator==(const SurfaceFacts&) const = default;
+};
+
 struct Surface {
   BsdfId bsdf = kNone;
   Id emission = kNone;  // radiance towards the viewer; kNone: none
   Id opacity = kNone;   // kNone: opaque
+  bool isThinWalled = false;
 };
 
 // Value of an input or output.
@@ -33,6 +41,7 @@ struct Port {
 // What one pass over the network yields.
 struct Material {
   LinearClosure closure;
+  SurfaceFacts facts;
   Id opacity = kNone;  // Surface's, before pass-through
   Id emission = kNone;
   Id displacement = kNone;  // of BuildDisplacement only: by how much a point moves, in object space
@@ -40,8 +49,8 @@ struct Material {
 
 class Builder {
  public:
-  // `transmits`: a pass before found lobes that refract, so that reflection inside bodies must know the side.
-  Builder(Library* library, const MaterialNetwork& network, Expressions* expressions, bool transmits);
+  // `facts`: what a pass before found out.
+  Builder(Library* library, const MaterialNetwork& network, Expressions* expressions, const SurfaceFacts& facts);
 
   Material Build();
   Material BuildDisplacement();
@@ -92,7 +101,7 @@ class Builder {
   Library& library_;
   const MaterialNetwork& network_;
   Expressions& e_;
-  bool transmits_;
+  SurfaceFacts facts_;
   std::vector<Bsdf> bsdfs_;
   std::vector<Surface> surfaces_;
   std::vector<Entry> entries_;
@@ -132,6 +141,9 @@ class NodeEvaluator {
   bool EvaluateBsdf(Port* result);
   bool EvaluateCombiner(Port* result);
   bool EvaluateEmission(Port* result);
+  bool EvaluateMicrofacetBsdf(Port* result);
+  bool AddThinTransmission(Port* result, std::string_view reflecting, std::vector<Id> arguments, Bsdf lobe, Id ior);
+  bool IsThinWalled();
   bool EvaluateSurface(Port* result);
   bool EvaluateDisplacement(Port* result);
   Id Primvar(const std::string& name, Type type, Id fallback);

@@ -22,6 +22,7 @@ constexpr LobeKind kLobes[] = {
     {"generalized_schlick", "generalizedSchlick", "GeneralizedSchlickLobe"},
     {"generalized_schlick_transmission", "generalizedSchlickTransmission", "GeneralizedSchlickTransmissionLobe", true},
     {"generalized_schlick_rt", "generalizedSchlickRt", "GeneralizedSchlickRtLobe", true},
+    {"thin_transmission", "thinTransmission", "ThinTransmissionLobe", true, false, true},
     {"chiang_hair", "chiangHair", "ChiangHairLobe", false, true},
     {"sheen_conty_kulla", "sheenContyKulla", "SheenContyKullaLobe"},
     {"sheen_zeltner", "sheenZeltner", "SheenZeltnerLobe"},
@@ -177,7 +178,7 @@ class Lineariser {
     Id weight = Multiply(node.lobe->transmits ? weights_[id].transmitted : weights_[id].other, node.weight);
     weight = Multiply(weight, node.tint);
     if (e_.Decide(weight, 0)) return;
-    result->transmits = result->transmits || node.lobe->transmits;
+    result->transmits = result->transmits || (node.lobe->transmits && !node.lobe->thin);
     result->hasSubsurface = result->hasSubsurface || node.isSubsurface;
     for (WeightedLobe& lobe : result->lobes) {
       if (lobe.expression != node.expression) continue;

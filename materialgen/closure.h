@@ -17,6 +17,7 @@ struct LobeKind {
   std::string_view structure;  // "FooLobe"
   bool transmits = false;      // sees the other side of a closed boundary
   bool opaque = false;         // lets nothing through to what it is layered over
+  bool thin = false;           // transmits, but into no body: a thin-walled surface has no inside
 };
 const LobeKind& FindLobe(std::string_view name);
 
@@ -49,7 +50,7 @@ struct LinearClosure {
   std::vector<WeightedLobe> lobes;  // in order of creation
   Id passThrough = kNone;           // weight of light that passes straight through; kNone: none
   Id extinction = kNone;            // of the inside; kNone: clear
-  bool transmits = false;
+  bool transmits = false;           // into a body
   bool hasSubsurface = false;
 };
 

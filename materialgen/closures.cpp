@@ -120,47 +120,74 @@ bool NodeEvaluator::EvaluateBsdf(Port* result) {
     }
     return AddLobe(result, "chiang_hair", std::move(arguments), lobe, false);
   }
-  const bool isDielectric = category == "dielectric_bsdf", isSchlick = category == "generalized_schlick_bsdf";
-  const bool isConductor = category == "conductor_bsdf";
-  if (!isDielectric && !isSchlick && !isConductor) {
-    // A graph of the library may still serve.
-    return false;
-  }
+  return EvaluateMicrofacetBsdf(result);
+}
+
+// Dielectric, conductor, generalised Schlick. A graph of the library may still serve other nodes.
+bool NodeEvaluator::EvaluateMicrofacetBsdf(Port* result) {
+  const std::string_view category = node_.definition->category;
+  const bool isDielectric = category == "dielectric_bsdf", isConductor = category == "conductor_bsdf";
+  if (!isDielectric && !isConductor && category != "generalized_schlick_bsdf") return false;
   // No film, no turned reflection: constants, and the compiler drops what belongs to them.
-  const Id thickness = In("thinfilm_thickness"), retro = In("retroreflective");
+  const Id thickness = In("thinfilm_thickness"), retro = In("retroreflective"), roughness = In("roughness");
   const Id none = e_.Make("construct", Type::Vec2, {e_.Number(0), e_.Number(1)});
   const bool hasFilm = thickness != kNone && !e_.Decide(thickness, 0);
   const Id film = hasFilm ? e_.Make("construct", Type::Vec2, {thickness, In("thinfilm_ior")}) : none;
   std::string scatter = "R";
-  InText("scatter_mode", &scatter);
-  const bool isRefractionOnly = scatter == "T" && !isConductor;
-  std::string kind = "conductor";
+  if (!isConductor) InText("scatter_mode", &scatter);
+  Bsdf lobe;
+  Id ior = e_.Number(1.5f);
+  std::string reflecting = "conductor", kind;
   std::vector<Id> arguments;
   if (isConductor) {
     arguments = {In("ior"), In("extinction")};
   } else if (isDielectric) {
-    const Id ior = In("ior");
+    ior = In("ior");
     lobe.interfaceIor = ior;
     lobe.tint = In("tint");
-    kind = scatter == "T" ? "dielectric_transmission" : scatter == "RT" ? "dielectric" : "dielectric_reflection";
+    reflecting = "dielectric_reflection";
+    kind = scatter == "T" ? "dielectric_transmission" : scatter == "RT" ? "dielectric" : reflecting;
     // Seen from inside the body, the interface is that of the outside: total reflection and all.
-    const bool isFaced = scatter == "R" && b_.transmits_;
-    arguments = {white, isFaced ? e_.Make("faced_ior", Type::Float, {ior}) : ior};
+    const bool isFaced = scatter == "R" && b_.facts_.transmits;
+    arguments = {e_.Color(1, 1, 1), isFaced ? e_.Make("faced_ior", Type::Float, {ior}) : ior};
   } else {
-    kind = scatter == "T"    ? "generalized_schlick_transmission"
-           : scatter == "RT" ? "generalized_schlick_rt"
-                             : "generalized_schlick";
+    reflecting = "generalized_schlick";
+    kind = scatter == "T" ? "generalized_schlick_transmission" : scatter == "RT" ? "generalized_schlick_rt" : reflecting;
     arguments = {In("color0"), In("color82"), In("color90"), In("exponent")};
   }
   arguments.push_back(roughness);
-  if (!isRefractionOnly) arguments.push_back(retro);
+  if (scatter != "R" && b_.facts_.isThinWalled) {
+    arguments.insert(arguments.end(), {retro, film});
+    return AddThinTransmission(result, reflecting, std::move(arguments), lobe, ior);
+  }
+  if (scatter != "T") arguments.push_back(retro);
   arguments.push_back(film);
-  if (!AddLobe(result, kind, arguments, lobe, true)) return false;
+  if (!AddLobe(result, isConductor ? reflecting : kind, arguments, lobe, true)) return false;
   if (hasFilm && isDielectric && scatter == "R") {
     std::vector<Id> plain = e_[b_.bsdfs_[result->id].expression].arguments;
     plain.back() = none;
     b_.bsdfs_[result->id].withoutFilm = e_.Make("lobe", Type::Lobe, std::move(plain), kind);
   }
+  return true;
+}
+
+// Modes T and RT of a thin-walled surface. The reflecting lobe is made in any case: what it leaves is what passes.
+bool NodeEvaluator::AddThinTransmission(Port* result, std::string_view reflecting, std::vector<Id> arguments, Bsdf lobe,
+                                        Id ior) {
+  if (lobe.interfaceIor == kNone) lobe.interfaceIor = ior;
+  if (!AddLobe(result, reflecting, std::move(arguments), lobe, true)) return false;
+  const BsdfId top = result->id;
+  const Id expression = b_.bsdfs_[top].expression;
+  const Id passed = e_.Make("throughput", Type::Vec3, {expression}, std::string(reflecting));
+  if (!AddLobe(result, "thin_transmission", {passed, ior, In("roughness")}, lobe, true)) return false;
+  std::string scatter;
+  if (!InText("scatter_mode", &scatter) || scatter == "T") return true;
+  Bsdf both;
+  both.kind = Bsdf::Kind::Layer;
+  both.first = top;
+  both.second = result->id;
+  b_.bsdfs_.push_back(both);
+  *result = {Type::Bsdf, Id(b_.bsdfs_.size() - 1)};
   return true;
 }
 
@@ -234,10 +261,18 @@ bool NodeEvaluator::EvaluateEmission(Port* result) {
   return false;
 }
 
+// MaterialX's graph of standard_surface does not hand its thin_walled on to the surface.
+bool NodeEvaluator::IsThinWalled() {
+  const bool isStandard = node_.owner && node_.owner->category == "standard_surface";
+  const Id isThin = isStandard ? OwnerIn("thin_walled") : In("thin_walled");
+  return isThin != kNone && e_.Scalar(isThin) != 0;
+}
+
 bool NodeEvaluator::EvaluateSurface(Port* result) {
   const std::string_view category = node_.definition->category;
   Surface surface;
   if (category == "surface") {
+    surface.isThinWalled = IsThinWalled();
     surface.bsdf = In("bsdf");
     surface.emission = In("edf");
     surface.opacity = In("opacity");
@@ -267,6 +302,7 @@ bool NodeEvaluator::EvaluateSurface(Port* result) {
     };
     surface.emission = blend(back.emission, front.emission, 0);
     surface.opacity = blend(back.opacity, front.opacity, 1);
+    surface.isThinWalled = front.isThinWalled || back.isThinWalled;
     if (front.bsdf != kNone || back.bsdf != kNone) {
       Bsdf mix;
       mix.kind = Bsdf::Kind::Mix;

@@ -13,7 +13,7 @@ namespace materialgen {
 namespace {
 
 // Part of every key: raise it when the same network yields other source.
-constexpr const char* kGeneratorVersion = "3";
+constexpr const char* kGeneratorVersion = "4";
 
 // Two 64-bit FNV-1a hashes with different offsets; 128 bits make a collision a matter for astronomers.
 std::string HashOf(const std::string& text) {

@@ -25,7 +25,7 @@ class GeneratorImpl final : public Generator {
   bool Supports(const MaterialNetwork& network, std::string* unsupportedNode) const override {
     std::vector<Message> messages;
     Expressions expressions(&kNoneFrozen_);
-    Builder builder(library_.get(), network, &expressions, false);
+    Builder builder(library_.get(), network, &expressions, {});
     builder.Build();
     for (const Message& message : builder.TakeMessages()) {
       if (message.severity != Severity::Error) continue;
@@ -75,17 +75,17 @@ class GeneratorImpl final : public Generator {
 
   CompiledMaterial Compile(const MaterialNetwork& network, Terminal terminal, const MessageSink& sink) const {
     std::vector<std::string> frozen;
-    bool transmits = false;
+    SurfaceFacts facts;
     for (int pass = 0;; ++pass) {
       Expressions expressions(&frozen);
-      Builder builder(library_.get(), network, &expressions, transmits);
+      Builder builder(library_.get(), network, &expressions, facts);
       const bool isSurface = terminal == Terminal::Surface;
       const Material material = isSurface ? builder.Build() : builder.BuildDisplacement();
       const std::vector<std::string>& more = expressions.NewlyFrozen();
-      const bool isSettled = more.empty() && material.closure.transmits == transmits;
+      const bool isSettled = more.empty() && material.facts == facts;
       if (!isSettled && pass + 1 < kMaximumPasses) {
         frozen.insert(frozen.end(), more.begin(), more.end());
-        transmits = material.closure.transmits;
+        facts = material.facts;
         continue;
       }
       std::vector<Message> messages = builder.TakeMessages();

@@ -104,6 +104,16 @@ _CASES: dict[str, tuple[str, dict[str, list[float]]]] = {
     "generalizedSchlick": ("a.rgb, b.rgb, c.rgb, a.w, d.xy, b.w != 0.0, d.zw", _schlick()),
     "generalizedSchlickTransmission": ("a.rgb, b.rgb, c.rgb, a.w, d.xy, d.zw", _schlick()),
     "generalizedSchlickRt": ("a.rgb, b.rgb, c.rgb, a.w, d.xy, b.w != 0.0, d.zw", _schlick()),
+    "thinTransmission": (
+        "a.rgb, a.w, b.xy",
+        {
+            "smooth": [*WHITE, 1.5, *SMOOTH],
+            "satin": [*WHITE, 1.5, *SATIN],
+            "full": [*WHITE, 2.4, *FULL],
+            "brushed": [*WHITE, 1.5, *BRUSHED],
+            "tinted": [*RUST, 1.7, 0.4, 0.4],
+        },
+    ),
     "chiangHair": ("d.rgb, d.rgb, d.rgb, a.w, b.xy, b.zw, c.xy, c.z, a.rgb", _hair()),
     "sheenContyKulla": (
         "a.rgb, a.w",
@@ -132,7 +142,7 @@ VIEWS = {
 def index_of(lobe: Lobe, name: str) -> float:
     """Index of the medium behind the surface (1 in front), for the lobes that refract."""
     values = lobe.sets[name]
-    if not lobe.transmissive or lobe.name in ("translucent", "chiangHair"):
+    if not lobe.transmissive or lobe.name in ("translucent", "thinTransmission", "chiangHair"):
         return 1.0
     if lobe.name.startswith("dielectric"):
         return min(max(values[3], 0.1), 10.0)
@@ -171,4 +181,5 @@ def energy_bound(lobe: Lobe, name: str) -> float:
     # The compensation divides by fits (0.5 %; refraction of anisotropic lobes: 2 %).
     if lobe.name in ("dielectric", "generalizedSchlickRt", "dielectricTransmission", "generalizedSchlickTransmission"):
         return 1.02 if name in ("brushed", "retroreflective") else 1.005
-    return 1.006 if lobe.name in ("conductor", "generalizedSchlick", "dielectricReflection") else 1.0
+    compensated = ("conductor", "generalizedSchlick", "dielectricReflection", "thinTransmission")
+    return 1.006 if lobe.name in compensated else 1.0

@@ -256,6 +256,33 @@ TEST(MaterialGen, UnsupportedFeaturesAreSaidOnce) {
   EXPECT_EQ(count({{"thin_film_thickness", 300.0f}, {"metalness", 0.5f}, {"subsurface", 0.5f}}), 1);
 }
 
+// A thin wall has no inside: light goes through it unbent, and enters no body.
+TEST(MaterialGen, ThinWalledSurfacesDoNotRefract) {
+  using Names = std::vector<std::string>;
+  const auto isBody = [](const Result& result) {
+    return result.material.kernel->surface.find("kHasTransmission = true") != std::string::npos;
+  };
+  const Result body = RunNetwork(Standard({{"transmission", 1.0f}}));
+  const Result wall = RunNetwork(Standard({{"transmission", 1.0f}, {"thin_walled", true}}));
+  EXPECT_EQ(Lobes(body), (Names{"dielectric_reflection", "dielectric_transmission"}));
+  EXPECT_EQ(Lobes(wall), (Names{"dielectric_reflection", "thin_transmission"}));
+  EXPECT_TRUE(isBody(body));
+  EXPECT_FALSE(isBody(wall));
+  ExpectCompiles(wall.material, "thin wall");
+
+  MaterialNetwork pane;
+  pane.path = "/Looks/m";
+  pane.nodes = {{"/Looks/m/surface",
+                 "ND_open_pbr_surface_surfaceshader",
+                 {{"transmission_weight", 1.0f}, {"geometry_thin_walled", true}}}};
+  pane.surfaceNode = "/Looks/m/surface";
+  pane.surfaceOutput = "out";
+  const Result open = RunNetwork(pane);
+  EXPECT_EQ(std::count(open.material.kernel->lobes.begin(), open.material.kernel->lobes.end(), "thin_transmission"), 1);
+  EXPECT_FALSE(isBody(open));
+  ExpectCompiles(open.material, "OpenPBR thin wall");
+}
+
 // Hair: the nodes that feed the lobe are numbers by the time the kernel is made.
 TEST(MaterialGen, HairIsALobeAndItsInputsAreFolded) {
   MaterialNetwork network;
