@@ -38,11 +38,33 @@ TextureKey KeyOf(const materialgen::TextureRequest& request) {
   return key;
 }
 
+// In a thread of the core's.
+wavefront::KernelCode CompileEntry(const materialgen::KernelSource& source, wavefront::KernelEntry entry,
+                                   materialgen::SpirvCache& cache, const wavefront::DiagnosticSink& sink) {
+  const auto start = std::chrono::steady_clock::now();
+  const bool isSurface = entry == wavefront::KernelEntry::Surface, isOpacity = entry == wavefront::KernelEntry::Opacity;
+  const std::string& text = isSurface ? source.surface : isOpacity ? source.opacity : source.emission;
+  wavefront::KernelCode code;
+  if (auto kept = cache.Load(text)) {
+    code.spirv = std::move(*kept);
+    code.fromCache = true;
+  } else {
+    code.spirv = materialgen::CompileGlsl(text, source.key, &code.error);
+    cache.Store(text, code.spirv);
+    if (const std::string trouble = cache.trouble(); !trouble.empty() && sink)
+      sink({wavefront::Severity::Info, "kernel-cache-unusable", cache.folder(),
+            "Compiled kernels are not kept for the next run: " + trouble});
+  }
+  code.milliseconds = Since(start);
+  return code;
+}
+
 }  // namespace
 
 MaterialStore::MaterialStore(wavefront::Renderer& renderer, materialgen::Generator& generator, TextureTable& textures,
                              wavefront::DiagnosticSink sink, unsigned threads)
-    : renderer_(renderer), generator_(generator), textures_(textures), sink_(std::move(sink)), threads_(threads) {}
+    : renderer_(renderer), generator_(generator), textures_(textures), sink_(std::move(sink)), threads_(threads),
+      cache_(std::make_shared<materialgen::SpirvCache>(materialgen::SpirvCache::DefaultFolder())) {}
 
 MaterialStore::Material& MaterialStore::FindOrCreate(const std::string& path) {
   std::lock_guard lock(mutex_);
@@ -120,62 +142,24 @@ void MaterialStore::Generate() {
   }
 }
 
-void MaterialStore::CompileKernels(const std::vector<const Material*>& materials) {
-  struct Job {
-    const std::string* source;
-    std::string name;
-    std::vector<uint32_t> spirv;
-    std::string error;
-    double milliseconds = 0;
+void MaterialStore::RegisterKernel(const Material& material) {
+  if (!material.compiled.kernel) return;
+  const auto [known, isNew] = kernels_.try_emplace(material.compiled.kernel->key);
+  if (!isNew) return;
+  const std::shared_ptr<const materialgen::KernelSource> source = material.compiled.kernel;
+  known->second.source = source;
+  known->second.generateMilliseconds = material.generateMilliseconds;
+  ++compiled_;
+  wavefront::MaterialKernelData data;
+  data.key = source->key;
+  data.hasOpacity = !source->opacity.empty();
+  data.hasEmission = !source->emission.empty();
+  data.primvars = source->primvars;
+  data.user = material.path;
+  data.compile = [source, cache = cache_, sink = sink_](wavefront::KernelEntry entry) {
+    return CompileEntry(*source, entry, *cache, sink);
   };
-  struct NewKernel {
-    Kernel* kernel;
-    Job jobs[3];
-  };
-  std::vector<std::unique_ptr<NewKernel>> fresh;
-  std::vector<Job*> jobs;
-  for (const Material* material : materials) {
-    if (!material->compiled.kernel) continue;
-    const materialgen::KernelSource& source = *material->compiled.kernel;
-    auto [known, isNew] = kernels_.try_emplace(source.key);
-    if (!isNew) continue;
-    known->second.source = material->compiled.kernel;
-    known->second.generateMilliseconds = material->generateMilliseconds;
-    auto& entry = fresh.emplace_back(std::make_unique<NewKernel>());
-    entry->kernel = &known->second;
-    const std::pair<const std::string*, const char*> entries[3] = {
-        {&source.surface, "surface"}, {&source.opacity, "opacity"}, {&source.emission, "emission"}};
-    for (int i = 0; i < 3; ++i) {
-      entry->jobs[i].source = entries[i].first;
-      entry->jobs[i].name = source.key + "." + entries[i].second;
-      if (!entries[i].first->empty()) jobs.push_back(&entry->jobs[i]);
-    }
-  }
-  wavefront::ParallelFor(jobs.size(), threads_, [&](size_t i) {
-    const auto start = std::chrono::steady_clock::now();
-    jobs[i]->spirv = materialgen::CompileGlsl(*jobs[i]->source, jobs[i]->name, &jobs[i]->error);
-    jobs[i]->milliseconds = Since(start);
-  });
-  for (auto& entry : fresh) {
-    Kernel& kernel = *entry->kernel;
-    for (const Job& job : entry->jobs) {
-      kernel.compileMilliseconds += job.milliseconds;
-      if (!job.source->empty() && job.spirv.empty()) {
-        kernel.failed = true;
-        sink_({wavefront::Severity::Error, "material-kernel-failed", job.name,
-               "A generated material kernel does not compile; its materials show the default. " + job.error});
-      }
-    }
-    if (kernel.failed) continue;
-    ++compiled_;
-    wavefront::MaterialKernelData data;
-    data.key = kernel.source->key;
-    data.surfaceSpirv = std::move(entry->jobs[0].spirv);
-    data.opacitySpirv = std::move(entry->jobs[1].spirv);
-    data.emissionSpirv = std::move(entry->jobs[2].spirv);
-    data.primvars = kernel.source->primvars;
-    renderer_.RegisterKernel(std::move(data));
-  }
+  renderer_.RegisterKernel(std::move(data));
 }
 
 // The parameter block with the ids of its textures.
@@ -212,8 +196,7 @@ void MaterialStore::UpdateDisplacement(Material& material) {
 void MaterialStore::Upload(Material& material) {
   const materialgen::CompiledMaterial& compiled = material.compiled;
   material.stale = false;
-  const bool usable = compiled.kernel && !kernels_.at(compiled.kernel->key).failed;
-  if (!usable) {
+  if (!compiled.kernel) {
     if (material.id != wavefront::kInvalidId) {
       garbage_.push_back(material.id);
       material.id = wavefront::kInvalidId;
@@ -242,7 +225,7 @@ void MaterialStore::MakeDefault(Material& material, bool isOpaque) {
   const auto start = std::chrono::steady_clock::now();
   material.compiled = generator_.GenerateDefault(isOpaque);
   material.generateMilliseconds = Since(start);
-  CompileKernels({&material});
+  RegisterKernel(material);
   Upload(material);
 }
 
@@ -259,9 +242,7 @@ wavefront::MaterialId MaterialStore::TranslucentDefault() {
 
 void MaterialStore::Commit() {
   Generate();
-  std::vector<const Material*> all;
-  for (const auto& [path, material] : materials_) all.push_back(material.get());
-  CompileKernels(all);
+  for (const auto& [path, material] : materials_) RegisterKernel(*material);
   const uint64_t textureVersion = textures_.version();
   const bool texturesChanged = textureVersion != textureVersion_;
   textureVersion_ = textureVersion;

@@ -13,6 +13,7 @@
 #include "delegate/displacement.h"
 #include "delegate/prims/material.h"
 #include "delegate/textures.h"
+#include "materialgen/spirv_cache.h"
 #include "wavefront/renderer.h"
 
 namespace delegate {
@@ -29,8 +30,8 @@ class MaterialStore {
 
   // Networks of dirty materials become kernels' sources and values, in parallel; their textures are asked for.
   void Generate();
-  // Compiles kernels not seen before, in parallel; creates and updates materials in the core. Ids of materials that are
-  // gone stay valid until Collect.
+  // Registers kernels not seen before, which the core compiles in the background when they are worn first; creates and
+  // updates materials in the core. Ids of materials that are gone stay valid until Collect.
   void Commit();
   void Collect();
 
@@ -49,8 +50,7 @@ class MaterialStore {
 
   struct Kernel {
     std::shared_ptr<const materialgen::KernelSource> source;
-    bool failed = false;
-    double generateMilliseconds = 0, compileMilliseconds = 0;
+    double generateMilliseconds = 0;
   };
   const std::map<std::string, Kernel>& kernels() const { return kernels_; }
   std::vector<std::string> MaterialsOf(const std::string& kernelKey) const;
@@ -73,7 +73,7 @@ class MaterialStore {
   };
   Material& FindOrCreate(const std::string& path);
   void ReleaseTextures(Material& material);
-  void CompileKernels(const std::vector<const Material*>& materials);
+  void RegisterKernel(const Material& material);
   void Upload(Material& material);
   std::vector<uint32_t> Acquire(const Material& material, const materialgen::CompiledMaterial& compiled);
   std::vector<wavefront::Float4> Block(const materialgen::CompiledMaterial& compiled, const std::vector<uint32_t>& keys);
@@ -85,6 +85,7 @@ class MaterialStore {
   TextureTable& textures_;
   wavefront::DiagnosticSink sink_;
   unsigned threads_;
+  std::shared_ptr<materialgen::SpirvCache> cache_;
   mutable std::mutex mutex_;  // of the map; a material itself belongs to the thread that syncs it
   std::map<std::string, std::unique_ptr<Material>> materials_;
   std::vector<std::unique_ptr<Material>> removed_;

@@ -315,15 +315,43 @@ std::vector<RenderDelegate::KernelUse> RenderDelegate::Impl::ReadKernelUses() co
     use.primvars = kernel.source->primvars;
     use.materials = materials.MaterialsOf(key);
     use.generateMilliseconds = kernel.generateMilliseconds;
-    use.compileMilliseconds = kernel.compileMilliseconds;
     uses.push_back(std::move(use));
   }
   return uses;
 }
 
 std::vector<RenderDelegate::KernelUse> RenderDelegate::kernelUses() const {
-  std::lock_guard lock(impl_->mutex);
-  return impl_->kernelUses;
+  std::vector<KernelUse> uses;
+  {
+    std::lock_guard lock(impl_->mutex);
+    uses = impl_->kernelUses;
+  }
+  const wavefront::RenderStats stats = renderer_->stats();
+  std::map<std::string, KernelUse*> byKey;
+  for (KernelUse& use : uses) byKey[use.key] = &use;
+  double total = 0;
+  for (const wavefront::KernelStats& kernel : stats.kernels) {
+    total += kernel.milliseconds;
+    // "material:<key>:<entry>"
+    const size_t first = kernel.name.find(':'), last = kernel.name.rfind(':');
+    if (first == last) continue;
+    const auto found = byKey.find(kernel.name.substr(first + 1, last - first - 1));
+    if (found == byKey.end()) continue;
+    KernelUse& use = *found->second;
+    if (kernel.name.ends_with(":surface")) use.state = kernel.state;
+    use.codeMilliseconds += kernel.codeMilliseconds;
+    use.createMilliseconds += kernel.createMilliseconds;
+    use.firstDispatchMilliseconds += kernel.firstDispatchMilliseconds;
+    use.codeFromCache = use.codeFromCache || kernel.codeFromCache;
+    use.spirvBytes += kernel.spirvBytes;
+    use.milliseconds += kernel.milliseconds;
+    use.paths += kernel.items;
+  }
+  for (KernelUse& use : uses) {
+    if (use.paths != 0) use.nanosecondsPerPath = use.milliseconds * 1e6 / static_cast<double>(use.paths);
+    if (total > 0) use.share = use.milliseconds / total;
+  }
+  return uses;
 }
 
 std::vector<std::pair<std::string, std::string>> RenderDelegate::MaterialSource(const std::string& path) const {

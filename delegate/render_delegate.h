@@ -125,11 +125,21 @@ class RenderDelegate {
   std::vector<wavefront::Diagnostic> diagnostics(size_t since = 0) const { return log_->Read(since); }
   wavefront::Renderer& renderer() { return *renderer_; }
 
-  // Name, lobes and primvars of each kernel, and the materials on it, as of the last commit; any thread.
+  // Each kernel of the last commit: what it is made of, the materials on it, what compiling it cost, and what it costs in
+  // the render so far; any thread.
   struct KernelUse {
     std::string key;
     std::vector<std::string> lobes, primvars, materials;
-    double generateMilliseconds = 0, compileMilliseconds = 0;
+    double generateMilliseconds = 0;
+    // Sums over its entry points. State: the surface's (KernelStats).
+    std::string state = "unused";
+    double codeMilliseconds = 0, createMilliseconds = 0, firstDispatchMilliseconds = 0;
+    bool codeFromCache = false;
+    uint64_t spirvBytes = 0;
+    double milliseconds = 0;         // on the device
+    uint64_t paths = 0;              // work items
+    double nanosecondsPerPath = 0;   // 0: no path yet
+    double share = 0;                // of the time of all kernels
   };
   std::vector<KernelUse> kernelUses() const;
   // GLSL of a material's kernel entries, for inspection; empty: unknown path or not generated yet. Not while

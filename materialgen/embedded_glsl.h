@@ -2,6 +2,7 @@
 // Copyright the hdWavefront authors
 #pragma once
 
+#include <string>
 #include <string_view>
 
 namespace materialgen {
@@ -10,5 +11,8 @@ namespace materialgen {
 /// there is no source tree. `path` is relative to `wavefront/`: "kernels/lib/queue.glsl", "shared/bindings.h".
 /// Holds kernels/**/*.glsl and shared/*.{h,def,glsl}. Empty when there is no such file. Lives as long as the program.
 std::string_view EmbeddedGlsl(std::string_view path);
+
+/// The texts of all of them, one after the other: what a version of them can be told by.
+std::string EmbeddedGlslText();
 
 }  // namespace materialgen

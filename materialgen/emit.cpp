@@ -8,25 +8,13 @@
 #include <cstring>
 
 #include "materialgen/printer.h"
+#include "materialgen/spirv_cache.h"
 
 namespace materialgen {
 namespace {
 
 // Part of every key: raise it when the same network yields other source.
 constexpr const char* kGeneratorVersion = "4";
-
-// Two 64-bit FNV-1a hashes with different offsets; 128 bits make a collision a matter for astronomers.
-std::string HashOf(const std::string& text) {
-  uint64_t a = 0xcbf29ce484222325ull, b = 0x9ae16a3b2f90404full;
-  for (unsigned char c : text) {
-    a = (a ^ c) * 0x100000001b3ull;
-    b = (b ^ c) * 0x100000001b3ull + 0x632be59bd9b4e019ull;
-  }
-  char buffer[33];
-  std::snprintf(buffer, sizeof(buffer), "%016llx%016llx", static_cast<unsigned long long>(a),
-                static_cast<unsigned long long>(b));
-  return buffer;
-}
 
 class Emitter {
  public:
@@ -241,6 +229,8 @@ class Emitter {
 };
 
 }  // namespace
+
+std::string_view GeneratorVersion() { return kGeneratorVersion; }
 
 CompiledMaterial Emit(Expressions* expressions, const Material& material, const std::string& functions) {
   return Emitter(expressions, material, functions).Run();

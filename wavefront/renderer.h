@@ -77,8 +77,17 @@ struct Progress {
   bool running = false, paused = false, converged = false;
 };
 
-struct KernelStats { std::string name; double milliseconds = 0; uint64_t items = 0, dispatches = 0;
-                     double createMilliseconds = 0, firstDispatchMilliseconds = 0; };
+// A fixed kernel, or one entry point of a material's ("material:<key>:surface").
+struct KernelStats {
+  std::string name;
+  double milliseconds = 0;  // on the device
+  uint64_t items = 0, dispatches = 0;
+  std::string state = "ready";  // or compiling, failed, unused (no instance wears it: nothing was compiled)
+  double codeMilliseconds = 0;  // GLSL to SPIR-V, or reading it from the cache; 0 for fixed kernels
+  bool codeFromCache = false;
+  double createMilliseconds = 0, firstDispatchMilliseconds = 0;  // the driver's part
+  uint64_t spirvBytes = 0;
+};
 struct QueueStats { std::string name; uint64_t items = 0, peak = 0; };
 struct RenderStats {
   std::vector<KernelStats> kernels;
@@ -91,6 +100,9 @@ struct RenderStats {
   uint64_t validationMessages = 0;
   uint32_t errorFlags = 0;                 // shared/error_flags.h; 0: none
   uint32_t poolSize = 0;
+  uint32_t kernelsPending = 0;             // entry points of material kernels that are still being compiled
+  // Since the film was cleared by a commit; 0: not yet. The first finished path, and all kernels that were ordered.
+  double firstPathSeconds = 0, kernelsReadySeconds = 0;
 };
 
 // Exact sums of a sample range; merging is associative and exact, so ranges, machines and restarts agree to the bit.

@@ -5,7 +5,9 @@
 // Units: scene units as authored; angles in radians; colours scene-linear in the rendering colour space.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -104,6 +106,18 @@ struct LightData {
   uint32_t lightLink = 0, shadowLink = 0, lightGroup = 0;  // reserved groups
 };
 
+// The entry points of a material's kernel; each is a pipeline and a bucket of its own.
+enum class KernelEntry : uint8_t { Surface, Opacity, Emission };
+constexpr std::size_t kKernelEntryCount = 3;
+
+// SPIR-V of one entry, or why there is none.
+struct KernelCode {
+  std::vector<uint32_t> spirv;
+  std::string error;         // with an empty `spirv`
+  double milliseconds = 0;   // that making it took
+  bool fromCache = false;
+};
+
 // Which compiled kernel a material uses, and its values. Kernels come from materialgen through the delegate.
 struct MaterialKernelData {
   std::string key;                       // topology key; equal keys share one kernel
@@ -111,6 +125,11 @@ struct MaterialKernelData {
   std::vector<uint32_t> opacitySpirv;    // empty: every material with this kernel is opaque
   std::vector<uint32_t> emissionSpirv;   // empty: never emits
   std::vector<std::string> primvars;     // names that the kernel reads, in slot order
+  // In place of the SPIR-V above: makes it when an instance wears the kernel first, in a thread of the core's, at most
+  // once per entry. It may outlive the call that registered it, and ends with the renderer.
+  std::function<KernelCode(KernelEntry)> compile;
+  bool hasOpacity = false, hasEmission = false;  // with `compile`: which entries there are
+  std::string user;                      // a material that uses it, for diagnostics
 };
 struct MaterialData {
   std::string path;

@@ -29,6 +29,7 @@ class FakeRenderer : public wavefront::Renderer {
   std::optional<wavefront::CameraData> camera;
   std::optional<wavefront::RenderSettings> settings;
   uint32_t defaultMaterial = wavefront::kInvalidId;
+  std::set<std::string> failedKernels;
   uint64_t edits = 0;  // calls that change something
   int stops = 0;
 
@@ -68,7 +69,9 @@ class FakeRenderer : public wavefront::Renderer {
   void DestroyTexture(wavefront::TextureId id) override { Remove(textures, id); }
   void RegisterKernel(wavefront::MaterialKernelData k) override {
     ++edits;
-    EXPECT_FALSE(k.surfaceSpirv.empty());
+    const wavefront::KernelCode code = k.compile(wavefront::KernelEntry::Surface);
+    EXPECT_TRUE(code.spirv.empty() != code.error.empty());
+    if (code.spirv.empty()) failedKernels.insert(k.key);
     EXPECT_TRUE(kernels.emplace(k.key, k).second) << "kernel registered twice";
   }
   bool HasKernel(const std::string& key) const override { return kernels.count(key) > 0; }

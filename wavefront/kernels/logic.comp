@@ -88,14 +88,23 @@ void main() {
         key = behindLight ? kNoBucket : kBucketNewPath;
       }
     }
-    storePath(kChunkIds, path, ids);
-  } else if (phase == kPhaseOpacity) {
-    uvec4 hit = loadPath(kChunkShadowHit, path);
-    key = hitBuckets(hit.x, hit.y).y;
+  } else if (phase == kPhaseHeld || phase == kPhaseOpacity) {
+    bool held = phase == kPhaseHeld;
+    uvec4 hit = loadPath(held ? kChunkHit : kChunkShadowHit, path);
+    uvec4 buckets = hitBuckets(hit.x, hit.y);
+    key = held ? buckets.x : buckets.y;
+    if (held) ids.w = withPhase(ids.w, kPhaseReady);
   } else {
     uvec4 item = texelFetch(lightItems, int(loadPath(kChunkShadowContribution, path).w));
     key = hitBuckets(item.x, item.y).z;
   }
+  // A bucket without a kernel holds its paths: they wait here, whatever iteration it comes in, and the picture cannot
+  // tell, because nothing about a path depends on when it is worked on.
+  if (key != kNoBucket && counters[kBucketBase + key * kBucketStride + kBucketHold] != 0u) {
+    if (phase == kPhaseReady || phase == kPhaseHeld) ids.w = withPhase(ids.w, kPhaseHeld);
+    key = kNoBucket;
+  }
+  if (phase == kPhaseReady || phase == kPhaseHeld) storePath(kChunkIds, path, ids);
   queueItems[kItemsKeys * frame.poolSize + path] = key;
   if (key != kNoBucket) atomicAdd(counters[kBucketBase + key * kBucketStride + kBucketCount], 1u);
 }

@@ -9,22 +9,28 @@ MaterialTable::MaterialTable(vulkan::Device& device)
 
 void MaterialTable::RegisterKernel(MaterialKernelData kernel) {
   std::lock_guard lock(mutex_);
-  if (kernels_.count(kernel.key) != 0) return;
-  KernelInfo info;
-  auto add = [&](KernelEntry entry, std::vector<uint32_t>& spirv) {
-    if (spirv.empty()) return layout::kNoBucket;
-    buckets_.push_back({kernel.key, entry, std::move(spirv)});
-    return static_cast<uint32_t>(buckets_.size() - 1) + layout::kFirstMaterialBucket;
-  };
-  info.surface = add(KernelEntry::Surface, kernel.surfaceSpirv);
-  info.opacity = add(KernelEntry::Opacity, kernel.opacitySpirv);
-  info.emission = add(KernelEntry::Emission, kernel.emissionSpirv);
-  info.primvars = std::move(kernel.primvars);
-  kernels_[kernel.key] = std::move(info);
+  if (kernels_.count(kernel.key) == 0) stagedKernels_.try_emplace(kernel.key, std::move(kernel));
 }
 bool MaterialTable::HasKernel(const std::string& key) const {
   std::lock_guard lock(mutex_);
-  return kernels_.count(key) != 0;
+  return kernels_.count(key) != 0 || stagedKernels_.count(key) != 0;
+}
+void MaterialTable::AdoptKernel(MaterialKernelData kernel) {
+  KernelInfo info;
+  auto add = [&](KernelEntry entry, std::vector<uint32_t>& spirv, bool exists) {
+    if (!exists) return layout::kNoBucket;
+    Bucket bucket{kernel.key, entry, {}, kernel.user};
+    if (kernel.compile) bucket.code = [compile = kernel.compile, entry] { return compile(entry); };
+    else bucket.code = [words = std::move(spirv)] { return KernelCode{words, {}, 0, false}; };
+    buckets_.push_back(std::move(bucket));
+    return static_cast<uint32_t>(buckets_.size() - 1) + layout::kFirstMaterialBucket;
+  };
+  const bool lazy = static_cast<bool>(kernel.compile);
+  info.surface = add(KernelEntry::Surface, kernel.surfaceSpirv, lazy || !kernel.surfaceSpirv.empty());
+  info.opacity = add(KernelEntry::Opacity, kernel.opacitySpirv, lazy ? kernel.hasOpacity : !kernel.opacitySpirv.empty());
+  info.emission = add(KernelEntry::Emission, kernel.emissionSpirv, lazy ? kernel.hasEmission : !kernel.emissionSpirv.empty());
+  info.primvars = std::move(kernel.primvars);
+  kernels_[kernel.key] = std::move(info);
 }
 MaterialId MaterialTable::Create(MaterialData material) {
   std::lock_guard lock(mutex_);
@@ -48,6 +54,8 @@ void MaterialTable::SetDefault(MaterialId id) {
 
 Status MaterialTable::Commit(bool* valuesChanged, bool* bindingsChanged) {
   std::lock_guard lock(mutex_);
+  for (auto& [key, kernel] : stagedKernels_) AdoptKernel(std::move(kernel));
+  stagedKernels_.clear();
   *valuesChanged = !staged_.empty();
   *bindingsChanged = !destroyed_.empty() || defaultChanged_;
   defaultChanged_ = false;

@@ -15,13 +15,12 @@
 
 namespace wavefront {
 
-enum class KernelEntry { Surface, Opacity, Emission };
-
 // One bucket = one pipeline of one kernel.
 struct Bucket {
   std::string kernelKey;
   KernelEntry entry;
-  std::vector<uint32_t> spirv;
+  std::function<KernelCode()> code;  // thread-safe; to be called once
+  std::string user;                  // a material that uses it, for diagnostics
 };
 
 struct KernelInfo {
@@ -40,7 +39,7 @@ class MaterialTable {
  public:
   explicit MaterialTable(vulkan::Device& device);
 
-  // Staging; thread-safe.
+  // Staging; thread-safe, also while Commit runs: what is registered then is part of the next commit.
   void RegisterKernel(MaterialKernelData kernel);
   bool HasKernel(const std::string& key) const;
   MaterialId Create(MaterialData material);
@@ -65,7 +64,9 @@ class MaterialTable {
   std::map<MaterialId, MaterialData> staged_;
   std::vector<MaterialId> destroyed_;
   std::map<MaterialId, MaterialInfo> materials_;
-  std::map<std::string, KernelInfo> kernels_;
+  void AdoptKernel(MaterialKernelData kernel);
+  std::map<std::string, MaterialKernelData> stagedKernels_;
+  std::map<std::string, KernelInfo> kernels_;  // this and what follows: changed by Commit only
   std::vector<Bucket> buckets_;
   MaterialId next_ = 0, default_ = kInvalidId;
   bool defaultChanged_ = false;

@@ -4,8 +4,6 @@
 
 #include <chrono>
 
-#include "wavefront/base/check.h"
-#include "wavefront/base/parallel.h"
 #include "wavefront/scheduler/kernel_spirv.h"
 
 namespace wavefront {
@@ -38,6 +36,9 @@ std::vector<vulkan::Binding> Bindings() {
   return bindings;
 }
 
+// They take the place of material kernels, and most renders need none.
+bool IsStandIn(Kernel kernel) { return kernel == Kernel::StandInSurface || kernel == Kernel::StandInShadow; }
+
 const char* EntryName(KernelEntry entry) {
   return entry == KernelEntry::Surface ? "surface" : entry == KernelEntry::Opacity ? "opacity" : "emission";
 }
@@ -49,65 +50,112 @@ Result<std::unique_ptr<KernelRegistry>> KernelRegistry::Create(vulkan::Device& d
   auto layout = vulkan::PipelineLayout::Create(device, Bindings(), "kernels");
   if (!layout) return layout.error();
   registry->layout_ = std::move(layout).value();
-  for (const FixedKernel& kernel : kFixed) {
-    auto pipeline = vulkan::ComputePipeline::Create(device, *registry->layout_, {KernelSpirv(kernel.file), "main", {}, kernel.file});
-    if (!pipeline) return pipeline.error();
+  registry->fixed_.resize(kKernelCount);
+  for (uint32_t k = 0; k < kKernelCount; ++k) {
     KernelTimes times;
-    times.name = kernel.file;
-    times.createSeconds = pipeline.value()->creationSeconds();
+    times.name = kFixed[k].file;
     registry->times_.push_back(times);
-    registry->fixed_.push_back(std::move(pipeline).value());
+    if (IsStandIn(static_cast<Kernel>(k))) continue;  // made when a kernel is waited for
+    auto pipeline = registry->CreateFixed(static_cast<Kernel>(k));
+    if (!pipeline) return pipeline.error();
+    registry->fixed_[k] = std::move(pipeline).value();
   }
   return registry;
 }
 
-Status KernelRegistry::WarmUp(const vulkan::ComputePipeline& pipeline, KernelTimes& times, vulkan::CommandStream& stream, const vulkan::DescriptorSet& set) {
-  const auto start = std::chrono::steady_clock::now();
-  if (auto free = stream.Wait(stream.nextFreeAt()); !free) return free.error();
-  if (Status s = stream.Begin(); !s) return s;
-  stream.BindSet(set);
-  stream.BindPipeline(pipeline);
-  const uint32_t push[4] = {};
-  stream.PushConstants(std::as_bytes(std::span(push)));
-  stream.Dispatch(0, 1, 1);
-  auto value = stream.Submit();
-  if (!value) return value.error();
-  if (auto done = stream.Wait(value.value()); !done) return done.error();
-  times.firstDispatchSeconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+Result<std::unique_ptr<vulkan::ComputePipeline>> KernelRegistry::CreateFixed(Kernel kernel) {
+  const auto k = static_cast<uint32_t>(kernel);
+  const auto spirv = KernelSpirv(kFixed[k].file);
+  auto pipeline = vulkan::ComputePipeline::Create(device_, *layout_, {spirv, "main", {}, kFixed[k].file});
+  if (!pipeline) return pipeline;
+  times_[k].compile.createSeconds = pipeline.value()->creationSeconds();
+  times_[k].compile.spirvBytes = spirv.size_bytes();
+  return pipeline;
+}
+
+Status KernelRegistry::WarmUpFixed(vulkan::CommandStream& stream, const vulkan::DescriptorSet& set) {
+  if (fixedWarm_) return {};
+  for (uint32_t k = 0; k < kKernelCount; ++k) {
+    if (!fixed_[k]) continue;
+    const auto start = std::chrono::steady_clock::now();
+    if (auto free = stream.Wait(stream.nextFreeAt()); !free) return free.error();
+    if (Status s = stream.Begin(); !s) return s;
+    stream.BindSet(set);
+    stream.BindPipeline(*fixed_[k]);
+    const uint32_t push[4] = {};
+    stream.PushConstants(std::as_bytes(std::span(push)));
+    stream.Dispatch(0, 1, 1);
+    auto value = stream.Submit();
+    if (!value) return value.error();
+    if (auto done = stream.Wait(value.value()); !done) return done.error();
+    times_[k].compile.firstDispatchSeconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  }
+  fixedWarm_ = true;
   return {};
 }
 
-Status KernelRegistry::AddBuckets(const std::vector<Bucket>& buckets, const std::vector<bool>& used, unsigned threads,
-                                  vulkan::CommandStream& stream, const vulkan::DescriptorSet& set) {
-  if (!fixedWarm_) {
-    for (uint32_t k = 0; k < kKernelCount; ++k) {
-      if (Status s = WarmUp(*fixed_[k], times_[k], stream, set); !s) return s;
-    }
-    fixedWarm_ = true;
+Result<const vulkan::ComputePipeline*> KernelRegistry::StandIn(KernelEntry entry) {
+  const Kernel kernel = entry == KernelEntry::Surface ? Kernel::StandInSurface : Kernel::StandInShadow;
+  auto& pipeline = fixed_[static_cast<uint32_t>(kernel)];
+  if (!pipeline) {
+    auto created = CreateFixed(kernel);
+    if (!created) return created.error();
+    pipeline = std::move(created).value();
   }
+  return pipeline.get();
+}
+
+void KernelRegistry::Order(const std::vector<Bucket>& buckets, const std::vector<bool>& used, unsigned threads) {
   for (std::size_t b = buckets_.size(); b < buckets.size(); ++b) {
     KernelTimes times;
     times.name = "material:" + buckets[b].kernelKey + ":" + EntryName(buckets[b].entry);
     times_.push_back(times);
+    buckets_.push_back({State::Unused, buckets[b].entry, buckets[b].user, nullptr});
   }
-  buckets_.resize(buckets.size());
-  std::vector<std::size_t> wanted;
-  for (std::size_t b = 0; b < buckets.size(); ++b) if (b < used.size() && used[b] && !buckets_[b]) wanted.push_back(b);
-  std::vector<Error> errors(wanted.size());
-  ParallelFor(wanted.size(), threads, [&](std::size_t i) {
-    const std::size_t b = wanted[i];
-    auto pipeline = vulkan::ComputePipeline::Create(device_, *layout_, {buckets[b].spirv, "main", {}, times_[kKernelCount + b].name});
-    if (pipeline.ok()) buckets_[b] = std::move(pipeline).value();
-    else errors[i] = pipeline.error();
-  });
-  for (std::size_t i = 0; i < wanted.size(); ++i) {
-    const std::size_t b = wanted[i];
-    KernelTimes& times = times_[kKernelCount + b];
-    if (!buckets_[b]) return Error{times.name + ": " + errors[i].message};
-    times.createSeconds = buckets_[b]->creationSeconds();
-    if (Status s = WarmUp(*buckets_[b], times, stream, set); !s) return s;
+  std::vector<KernelCompiler::Job> jobs;
+  // Surfaces first: nothing is seen without them.
+  for (const bool surfaces : {true, false}) {
+    for (std::size_t b = 0; b < buckets.size(); ++b) {
+      if (b >= used.size() || !used[b] || buckets_[b].state != State::Unused) continue;
+      if ((buckets[b].entry == KernelEntry::Surface) != surfaces) continue;
+      buckets_[b].state = State::Compiling;
+      ++pending_;
+      jobs.push_back({static_cast<uint32_t>(b), times_[kKernelCount + b].name, buckets[b].code});
+    }
   }
-  return {};
+  if (jobs.empty()) return;
+  if (!compiler_) compiler_ = std::make_unique<KernelCompiler>(device_, *layout_, threads);
+  compiler_->Enqueue(std::move(jobs));
+}
+
+std::vector<uint32_t> KernelRegistry::Adopt(const DiagnosticSink& sink) {
+  if (!compiler_ || pending_ == 0) return {};
+  const auto say = [&](Severity severity, const char* code, const std::string& location, const std::string& text) {
+    if (sink) sink({severity, code, location, text});
+  };
+  std::vector<uint32_t> adopted;
+  for (KernelCompiler::Done& done : compiler_->Take()) {
+    BucketKernel& bucket = buckets_[done.bucket];
+    KernelTimes& times = times_[kKernelCount + done.bucket];
+    times.compile = done.cost;
+    bucket.pipeline = std::move(done.pipeline);
+    bucket.state = bucket.pipeline ? State::Ready : State::Failed;
+    --pending_;
+    adopted.push_back(done.bucket);
+    if (bucket.state == State::Failed) {
+      say(Severity::Error, "material-kernel-failed", bucket.user.empty() ? times.name : bucket.user,
+          "A generated material kernel (" + times.name + ") does not compile; its materials show magenta. " + done.error);
+    }
+    if (!done.trouble.empty() && !saidTrouble_) {
+      saidTrouble_ = true;
+      say(Severity::Warning, "kernel-compile-slow", "render", "material kernels are compiled by the rendering device, which waits meanwhile: " + done.trouble);
+    }
+  }
+  if (compiler_->driverCompile() == vulkan::DriverCompile::AtDispatch && !saidNoCache_) {
+    saidNoCache_ = true;
+    say(Severity::Info, "kernel-compile-slow", "render", "material kernels are compiled by the rendering device, which waits meanwhile: " + compiler_->whyNoCache());
+  }
+  return adopted;
 }
 
 }  // namespace wavefront

@@ -1,13 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the hdWavefront authors
-// Pipelines of the fixed kernels and of every material bucket, and what making them cost.
+// Pipelines of the fixed kernels and of every material bucket, and what making them cost. Material kernels are compiled in
+// the background (kernel_compiler.h): a bucket is there before its pipeline is.
 #pragma once
 
 #include <memory>
 #include <string>
 #include <vector>
 
+#include "wavefront/base/diagnostics.h"
 #include "wavefront/scene/material_table.h"
+#include "wavefront/scheduler/kernel_compiler.h"
 #include "wavefront/vulkan/command_stream.h"
 #include "wavefront/vulkan/descriptors.h"
 #include "wavefront/vulkan/pipeline.h"
@@ -24,7 +27,7 @@ constexpr uint32_t kKernelCount = static_cast<uint32_t>(Kernel::kCount);
 
 struct KernelTimes {
   std::string name;
-  double createSeconds = 0, firstDispatchSeconds = 0;
+  CompileCost compile;
   double seconds = 0;       // on the device
   uint64_t dispatches = 0;
 };
@@ -35,13 +38,28 @@ class KernelRegistry {
 
   const vulkan::PipelineLayout& layout() const { return *layout_; }
   const vulkan::ComputePipeline& fixed(Kernel kernel) const { return *fixed_[static_cast<uint32_t>(kernel)]; }
-  // Null: nothing has used that bucket yet.
-  const vulkan::ComputePipeline* bucket(uint32_t index) const { return buckets_[index].get(); }
 
-  // Pipelines for used buckets that have none yet, created on `threads` threads, then dispatched once with no work:
-  // that is where lavapipe compiles. A bucket that no instance uses costs nothing.
-  Status AddBuckets(const std::vector<Bucket>& buckets, const std::vector<bool>& used, unsigned threads,
-                    vulkan::CommandStream& stream, const vulkan::DescriptorSet& set);
+  // Of a bucket's pipeline. Unused: no instance wears it, and nothing was compiled.
+  enum class State : uint8_t { Unused, Compiling, Ready, Failed };
+  State state(uint32_t bucket) const { return buckets_[bucket].state; }
+  KernelEntry entry(uint32_t bucket) const { return buckets_[bucket].entry; }
+  // The bucket's own; where that is not ready, the neutral one that stands in for its entry point, once it was asked for.
+  const vulkan::ComputePipeline* bucket(uint32_t index) const { return buckets_[index].pipeline.get(); }
+  Result<const vulkan::ComputePipeline*> StandIn(KernelEntry entry);
+
+  // Orders pipelines for used buckets that have none yet from threads of their own: this returns at once.
+  void Order(const std::vector<Bucket>& buckets, const std::vector<bool>& used, unsigned threads);
+  // Dispatches the fixed kernels once with no work: that is where lavapipe compiles.
+  Status WarmUpFixed(vulkan::CommandStream& stream, const vulkan::DescriptorSet& set);
+  // Buckets whose pipeline has come, or failed, since the last call. What went wrong is said.
+  std::vector<uint32_t> Adopt(const DiagnosticSink& sink);
+  // Buckets that Adopt has not handed out yet, and those of them whose compiling is over.
+  uint32_t pending() const { return pending_; }
+  uint32_t finished() const { return compiler_ ? static_cast<uint32_t>(compiler_->finished()) : 0u; }
+  // The driver compiles, or reads its cache, at a pipeline's first dispatch.
+  bool compilesAtDispatch() const { return compiler_ && compiler_->driverCompile() != vulkan::DriverCompile::AtCreation; }
+  // Until Adopt has something, or the time is over. Any thread, while no Order runs.
+  void WaitForKernels(double seconds) { if (compiler_) compiler_->Wait(seconds); }
 
   // Times by profiler row: fixed kernels, then buckets.
   std::vector<KernelTimes>& times() { return times_; }
@@ -51,11 +69,22 @@ class KernelRegistry {
   explicit KernelRegistry(vulkan::Device& device) : device_(device) {}
   Status WarmUp(const vulkan::ComputePipeline& pipeline, KernelTimes& times, vulkan::CommandStream& stream, const vulkan::DescriptorSet& set);
 
+  struct BucketKernel {
+    State state = State::Unused;
+    KernelEntry entry = KernelEntry::Surface;
+    std::string user;
+    std::unique_ptr<vulkan::ComputePipeline> pipeline;
+  };
+  Result<std::unique_ptr<vulkan::ComputePipeline>> CreateFixed(Kernel kernel);
+
   vulkan::Device& device_;
   std::unique_ptr<vulkan::PipelineLayout> layout_;
-  std::vector<std::unique_ptr<vulkan::ComputePipeline>> fixed_, buckets_;
+  std::vector<std::unique_ptr<vulkan::ComputePipeline>> fixed_;
+  std::vector<BucketKernel> buckets_;
   std::vector<KernelTimes> times_;
-  bool fixedWarm_ = false;
+  uint32_t pending_ = 0;
+  bool fixedWarm_ = false, saidNoCache_ = false, saidTrouble_ = false;
+  std::unique_ptr<KernelCompiler> compiler_;  // its threads use what stands above
 };
 
 }  // namespace wavefront

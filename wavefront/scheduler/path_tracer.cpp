@@ -20,6 +20,7 @@ constexpr std::size_t kSlots = 3;  // submits in flight
 constexpr uint32_t kTimestamps = 4096;
 constexpr double kTargetSubmitSeconds = 0.05;
 constexpr uint32_t kMaxIterationsPerSubmit = 32;
+constexpr std::chrono::milliseconds kRestartInterval{400};
 
 constexpr uint32_t kPathChunks = 0
 #define WAVEFRONT_PATH_CHUNK(Name, index, doc) +1
@@ -111,7 +112,10 @@ Status PathTracer::Configure(const RenderSettings& settings, const CameraData& c
     if (!s) return s;
   }
   if (Status s = WriteFrameConstants(); !s) return s;
-  return kernels_->AddBuckets(scene.materials.buckets(), scene.usedBuckets(), threads, *stream_, *set_);
+  // Ordered first: they compile while the fixed ones are warmed up.
+  kernels_->Order(scene.materials.buckets(), scene.usedBuckets(), threads);
+  runs_.assign(scene.materials.buckets().size(), {});
+  return kernels_->WarmUpFixed(*stream_, *set_);
 }
 
 Status PathTracer::WriteFrameConstants() {
@@ -165,13 +169,20 @@ Status PathTracer::BeginRecording() {
 Status PathTracer::BeginBand(uint32_t band) {
   if (Status s = Drain(); !s) return s;
   band_ = band;
-  if (band == 0) { before_ = {}; status_ = {}; }
+  if (band == 0) {
+    before_ = {};
+    status_ = {};
+    for (BucketRun& run : runs_) run.standInRan = false;
+  }
   else before_ = status_;
   status_.drained = false;
   if (Status s = WriteFrameConstants(); !s) return s;
   batchEnd_ = settings_.samplesPerBatch == 0 ? settings_.firstSample + settings_.samples
                                              : settings_.firstSample + std::min(settings_.samples, settings_.samplesPerBatch);
   raiseBatch_ = false;
+  stalled_ = false;
+  ++kernelEpoch_;
+  holds_.assign(runs_.size(), 0);
   if (Status s = BeginRecording(); !s) return s;
   stream_->Fill(*filmSums_, 0, 0, 0);
   // FirstSample channels start at their AOV's clear value.
@@ -226,9 +237,9 @@ void PathTracer::RecordIteration(std::vector<uint32_t>* rows) {
   stamp(row(Kernel::NewPath));
   for (uint32_t b = 0; b + kFirstMaterialBucket < bucketCount_; ++b) {
     const uint32_t bucket = b + kFirstMaterialBucket;
-    if (kernels_->bucket(b) == nullptr) continue;
-    const uint32_t push[4] = {bucket, 0, 0, 0};
-    stream_->BindPipeline(*kernels_->bucket(b));
+    if (runs_[b].pipeline == nullptr) continue;
+    const uint32_t push[4] = {bucket, runs_[b].failed ? 1u : 0u, 0, 0};
+    stream_->BindPipeline(*runs_[b].pipeline);
     stream_->PushConstants(std::as_bytes(std::span(push)));
     stream_->DispatchIndirect(*counters_, 4ull * (kBucketBase + static_cast<uint64_t>(bucket) * kBucketStride + kBucketArgs));
     stamp(kKernelCount + b);
@@ -245,8 +256,86 @@ void PathTracer::RecordIteration(std::vector<uint32_t>* rows) {
   stream_->Barrier();
 }
 
-Status PathTracer::Step(bool* done) {
-  *done = false;
+// What each bucket runs, now that kernels may have come. A bucket that no instance uses has no paths.
+Status PathTracer::ChooseKernels() {
+  for (std::size_t b = 0; b < runs_.size(); ++b) {
+    BucketRun& run = runs_[b];
+    const KernelRegistry::State state = kernels_->state(static_cast<uint32_t>(b));
+    const bool compiling = state == KernelRegistry::State::Compiling;
+    run.failed = state == KernelRegistry::State::Failed;
+    run.held = compiling && !interactive_;
+    run.standIn = compiling && interactive_;
+    run.pipeline = kernels_->bucket(static_cast<uint32_t>(b));
+    if (run.standIn || run.failed) {
+      auto standIn = kernels_->StandIn(kernels_->entry(static_cast<uint32_t>(b)));
+      if (!standIn) return standIn.error();
+      run.pipeline = standIn.value();
+    }
+    run.standInRan = run.standInRan || run.standIn;
+  }
+  return {};
+}
+
+// `restart`: a kernel came whose paths a stand-in has shaded.
+Status PathTracer::AdoptKernels(const DiagnosticSink& sink, bool* restart) {
+  // Each restart throws the picture away, so kernels that come one after the other are taken together.
+  const auto now = std::chrono::steady_clock::now();
+  const bool more = kernels_->pending() > kernels_->finished();
+  if (interactive_ && more && !stalled_ && now - lastRestart_ < kRestartInterval) return {};
+  const std::vector<uint32_t> adopted = kernels_->Adopt(sink);
+  if (adopted.empty()) return {};
+  ++kernelEpoch_;
+  stalled_ = false;
+  for (uint32_t b : adopted) {
+    if (kernels_->bucket(b) != nullptr && kernels_->compilesAtDispatch()) fresh_.push_back(kernels_->bucket(b));
+    if (!runs_[b].standInRan) continue;
+    if (Status s = Drain(); !s) return s;
+    if (status_.bucketItems.size() > b + kFirstMaterialBucket && status_.bucketItems[b + kFirstMaterialBucket] != 0) *restart = true;
+    else runs_[b].standInRan = false;
+  }
+  if (*restart) lastRestart_ = now;
+  return {};
+}
+
+bool PathTracer::StandInsInFilm() const {
+  for (std::size_t b = 0; b < runs_.size(); ++b) {
+    const std::size_t bucket = b + kFirstMaterialBucket;
+    if (runs_[b].standInRan && kernels_->state(static_cast<uint32_t>(b)) == KernelRegistry::State::Compiling &&
+        bucket < status_.bucketItems.size() && status_.bucketItems[bucket] != 0) return true;
+  }
+  return false;
+}
+
+// Tells the device which buckets hold their paths, and compiles what came (on lavapipe: takes it from the driver's cache).
+void PathTracer::RecordHolds() {
+  for (const vulkan::ComputePipeline* pipeline : fresh_) {
+    stream_->BindPipeline(*pipeline);
+    stream_->Dispatch(0, 1, 1);
+  }
+  fresh_.clear();
+  bool changed = false;
+  for (std::size_t b = 0; b < runs_.size(); ++b) {
+    const uint32_t hold = runs_[b].held ? 1 : 0;
+    if (holds_[b] == hold) continue;
+    holds_[b] = static_cast<uint8_t>(hold);
+    stream_->Update(*counters_, 4ull * (kBucketBase + (b + kFirstMaterialBucket) * kBucketStride + kBucketHold), std::as_bytes(std::span(&hold, 1)));
+    changed = true;
+  }
+  if (changed) stream_->Barrier();
+}
+
+Status PathTracer::Step(const DiagnosticSink& sink, Progress* progress) {
+  *progress = Progress::Going;
+  bool restart = false;
+  if (Status s = AdoptKernels(sink, &restart); !s) return s;
+  if (restart) {
+    *progress = Progress::Restart;
+    return Drain();
+  }
+  if (stalled_) {
+    *progress = Progress::Waiting;
+    return {};
+  }
   InFlight& slot = inFlight_[nextSlot_];
   if (Status s = Collect(nextSlot_); !s) return s;
   if (interactive_) {
@@ -254,8 +343,11 @@ Status PathTracer::Step(bool* done) {
   }
   if (status_.drained) {
     if (batchEnd_ >= settings_.firstSample + settings_.samples) {
-      *done = true;
-      return Drain();
+      if (Status s = Drain(); !s) return s;
+      // A picture with stand-ins in it is never done.
+      stalled_ = StandInsInFilm();
+      *progress = stalled_ ? Progress::Waiting : Progress::Done;
+      return {};
     }
     if (Status s = Drain(); !s) return s;
     if (status_.drained) {
@@ -263,6 +355,7 @@ Status PathTracer::Step(bool* done) {
       raiseBatch_ = true;
     }
   }
+  if (Status s = ChooseKernels(); !s) return s;
   if (Status s = BeginRecording(); !s) return s;
   if (raiseBatch_) {
     stream_->Update(*counters_, 4 * kWorkEndSample, std::as_bytes(std::span(&batchEnd_, 1)));
@@ -274,7 +367,9 @@ Status PathTracer::Step(bool* done) {
   const uint32_t nothing[4] = {};
   stream_->BindSet(*set_);
   stream_->PushConstants(std::as_bytes(std::span(nothing)));
+  RecordHolds();
   slot.rows.clear();
+  slot.kernelEpoch = kernelEpoch_;
   stream_->Timestamp();
   const uint32_t perIteration = kKernelCount + bucketCount_;
   const uint32_t fit = std::max(1u, kTimestamps / (perIteration + 1));
@@ -313,6 +408,14 @@ Status PathTracer::Collect(std::size_t index) {
   statusWords_.resize(bytes / 4);
   std::memcpy(statusWords_.data(), mapped.data() + index * bytes, bytes);
   ReadStatus(statusWords_.data());
+  // Where a whole submit with today's kernels moved nothing, all that is left is held.
+  uint64_t moved = status_.pathsStarted + status_.active;
+  for (uint64_t items : status_.queueItems) moved += items;
+  for (uint64_t items : status_.bucketItems) moved += items;
+  stalled_ = stalled_ || (kernels_->pending() != 0 && !status_.drained && slot.kernelEpoch == kernelEpoch_ &&
+                          lastEpoch_ == kernelEpoch_ && moved == lastProgress_);
+  lastProgress_ = moved;
+  lastEpoch_ = slot.kernelEpoch;
   slot.value = 0;
   return {};
 }

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <array>
+#include <chrono>
 #include <memory>
 #include <vector>
 
@@ -50,15 +51,22 @@ class PathTracer {
   uint32_t bandCount() const { return bandRows_ == 0 ? 0 : (settings_.height + bandRows_ - 1) / bandRows_; }
   const FilmLayout& film() const { return film_; }
 
-  // Sizes pool and film for the settings, binds the scene, creates missing pipelines. Nothing may be in flight.
+  // Sizes pool and film for the settings, binds the scene, orders missing pipelines. Nothing may be in flight.
   Status Configure(const RenderSettings& settings, const CameraData& camera, SceneStore& scene, unsigned threads);
-  // Interactive: one iteration per submit and two submits in flight, so that an edit waits for little. Else as many as
-  // hide the cost of a submit.
+  // Interactive: one iteration per submit and two submits in flight, so that an edit waits for little; what meets a
+  // material whose kernel is still being compiled is shaded by a neutral one. Else as many iterations as hide the cost of
+  // a submit, and such paths are held.
   void SetInteractive(bool interactive) { interactive_ = interactive; }
   // Clears the film and the pool, and starts at the first sample of the band.
   Status BeginBand(uint32_t band);
-  // Submits some iterations and reads the status of an older submit. `done`: all samples of the band are in the film.
-  Status Step(bool* done);
+  enum class Progress : uint8_t {
+    Going,
+    Waiting,  // nothing can go on before a kernel comes: WaitForKernels, then Step again
+    Restart,  // a kernel came for paths that a stand-in has shaded: the film starts anew, at the first band
+    Done      // all samples of the band are in the film
+  };
+  // Takes kernels that have come, submits some iterations and reads the status of an older submit.
+  Status Step(const DiagnosticSink& sink, Progress* progress);
   // Waits until nothing is in flight on the device (paths stay in the pool).
   Status Drain();
   // The band's sums into the film of the whole image; drains.
@@ -81,11 +89,23 @@ class PathTracer {
   void RecordIteration(std::vector<uint32_t>* rows);
   Status Collect(std::size_t slot);
   void ReadStatus(const uint32_t* counters);
+  Status AdoptKernels(const DiagnosticSink& sink, bool* restart);
+  Status ChooseKernels();
+  bool StandInsInFilm() const;
+  void RecordHolds();
 
   struct InFlight {
     uint64_t value = 0;
     std::vector<uint32_t> rows;  // profiler row of each timestamp interval
     uint32_t iterations = 0;
+    uint64_t kernelEpoch = 0;
+  };
+  // What a bucket's dispatch runs in this band.
+  struct BucketRun {
+    const vulkan::ComputePipeline* pipeline = nullptr;  // null: its paths are held, or it has none
+    bool held = false, failed = false;
+    bool standIn = false;   // of a kernel that is still to come
+    bool standInRan = false;  // since the film was cleared
   };
 
   vulkan::Device& device_;
@@ -104,6 +124,13 @@ class PathTracer {
   std::vector<InFlight> inFlight_;
   std::size_t nextSlot_ = 0;
   LoopStatus status_, before_;       // before_: sums of earlier bands
+  std::vector<BucketRun> runs_;      // by material bucket
+  std::vector<uint8_t> holds_;       // as the device has them
+  std::vector<const vulkan::ComputePipeline*> fresh_;  // to be dispatched once with no work
+  uint64_t kernelEpoch_ = 0;         // grows with what the device may run
+  uint64_t lastProgress_ = 0, lastEpoch_ = 0;
+  bool stalled_ = false;
+  std::chrono::steady_clock::time_point lastRestart_{};
   uint64_t submits_ = 0;
   std::vector<double> timestamps_;
   std::vector<uint32_t> statusWords_;

@@ -132,11 +132,10 @@ Status RendererImpl::Commit() {
     if (static_cast<uint64_t>(settings_.firstSample) + settings_.samples > 0xffffffffull) return Error{"the sample range ends past 2^32"};
     if (Status s = tracer_->Configure(settings_, camera_, *scene_, threads); !s) return s;
     configured_ = true;
-    ++version_;
-    band_ = 0;
-    bandBegun_ = false;
+    committed_ = start;
+    firstPathSeconds_ = kernelsReadySeconds_ = 0;
     reportedFlags_ = 0;
-    film_ = {};
+    RestartFilm();
     std::lock_guard lock(stateMutex_);
     converged_ = false;
     secondsBefore_ = 0;
@@ -148,6 +147,13 @@ Status RendererImpl::Commit() {
   Publish();
   (void)wasRunning;  // the host starts again: Start belongs to the controlling thread
   return {};
+}
+
+void RendererImpl::RestartFilm() {
+  ++version_;
+  band_ = 0;
+  bandBegun_ = false;
+  film_ = {};
 }
 
 Status RendererImpl::Start() {
@@ -223,12 +229,16 @@ void RendererImpl::Run() {
 }
 
 Status RendererImpl::RenderUntilStopped() {
+  // A stop or a map waits no longer than this for a render that waits for kernels.
+  constexpr double kKernelPoll = 0.02;
+  bool waiting = false;
   for (;;) {
     {
       std::unique_lock lock(stateMutex_);
       stateChanged_.wait(lock, [this] { return !paused_ || stopRequested_; });
       if (stopRequested_) break;
     }
+    if (waiting) tracer_->kernels().WaitForKernels(kKernelPoll);
     std::lock_guard device(deviceMutex_);
     if (!bandBegun_) {
       if (settings_.samples == 0) {
@@ -239,10 +249,12 @@ Status RendererImpl::RenderUntilStopped() {
       if (Status s = tracer_->BeginBand(band_); !s) return s;
       bandBegun_ = true;
     }
-    bool done = false;
-    if (Status s = tracer_->Step(&done); !s) return s;
+    PathTracer::Progress step;
+    if (Status s = tracer_->Step(options_.diagnostics, &step); !s) return s;
+    if (step == PathTracer::Progress::Restart) RestartFilm();
+    waiting = step == PathTracer::Progress::Waiting;
     Publish();
-    if (!done) continue;
+    if (step != PathTracer::Progress::Done) continue;
     if (tracer_->bandCount() > 1) {
       if (film_.sums.empty()) {
         film_.sums.resize(static_cast<std::size_t>(settings_.width) * settings_.height * tracer_->film().sumChannels);
@@ -287,8 +299,15 @@ void RendererImpl::ReportErrorFlags() {
 void RendererImpl::Publish() {
   const LoopStatus& loop = tracer_->status();
   RenderStats s;
+  s.kernelsPending = tracer_->kernels().pending();
   for (const KernelTimes& t : tracer_->kernels().times()) {
-    s.kernels.push_back({t.name, t.seconds * 1e3, 0, t.dispatches, t.createSeconds * 1e3, t.firstDispatchSeconds * 1e3});
+    const CompileCost& c = t.compile;
+    s.kernels.push_back({t.name, t.seconds * 1e3, 0, t.dispatches, "ready", c.codeMilliseconds, c.codeFromCache, c.createSeconds * 1e3,
+                         c.firstDispatchSeconds * 1e3, c.spirvBytes});
+  }
+  for (std::size_t k = kKernelCount; k < s.kernels.size(); ++k) {
+    constexpr const char* kStates[] = {"unused", "compiling", "ready", "failed"};
+    s.kernels[k].state = kStates[static_cast<std::size_t>(tracer_->kernels().state(static_cast<uint32_t>(k - kKernelCount)))];
   }
   auto items = [&](Kernel k, uint64_t n) { s.kernels[static_cast<uint32_t>(k)].items = n; };
   items(Kernel::Logic, loop.iterations * tracer_->poolSize());
@@ -332,6 +351,11 @@ void RendererImpl::Publish() {
     s.memoryBytes[name] = memory[k].current;
     s.memoryPeakBytes[name] = memory[k].peak;
   }
+  const double sinceCommit = std::chrono::duration<double>(Clock::now() - committed_).count();
+  if (firstPathSeconds_ == 0 && s.paths != 0) firstPathSeconds_ = sinceCommit;
+  if (kernelsReadySeconds_ == 0 && s.kernelsPending == 0) kernelsReadySeconds_ = sinceCommit;
+  s.firstPathSeconds = firstPathSeconds_;
+  s.kernelsReadySeconds = kernelsReadySeconds_;
   std::lock_guard lock(stateMutex_);
   stats_ = std::move(s);
   progress_.pathsDone = stats_.paths;

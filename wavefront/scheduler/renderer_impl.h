@@ -3,6 +3,7 @@
 // The facade's implementation: stores, one path tracer, one render thread.
 #pragma once
 
+#include <atomic>
 #include <chrono>
 #include <condition_variable>
 #include <mutex>
@@ -63,6 +64,7 @@ class RendererImpl final : public Renderer {
   explicit RendererImpl(const RendererOptions& options);
   void Run();
   Status RenderUntilStopped();
+  void RestartFilm();  // device mutex held
   void Publish();
   void ReportErrorFlags();
   Result<AovImage> MapLocked(Aov aov);  // with the device mutex held
@@ -86,8 +88,10 @@ class RendererImpl final : public Renderer {
   RawFilm film_;                    // finished bands
   uint32_t band_ = 0;
   bool bandBegun_ = false, configured_ = false;
-  uint64_t version_ = 0;
+  std::atomic<uint64_t> version_{0};  // the render thread raises it where kernels come for what stand-ins have shaded
   double commitSeconds_ = 0;
+  Clock::time_point committed_;     // when the commit began that cleared the film
+  double firstPathSeconds_ = 0, kernelsReadySeconds_ = 0;
   uint32_t reportedFlags_ = 0;
 
   mutable std::mutex stateMutex_;

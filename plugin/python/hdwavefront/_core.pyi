@@ -267,7 +267,8 @@ class RenderDelegate:
         """(height, width, components) float32 or int32, row 0 at the top; what is there now. The caller's own copy."""
     def read_film(self) -> Film: ...
     def stats(self) -> dict[str, Any]:
-        """kernels, queues, totals, memory: the members of wavefront::RenderStats, and "counters", "kernelSources"."""
+        """kernels, queues, totals, memory: the members of wavefront::RenderStats, and "counters", and "kernelSources":
+        by material kernel its lobes, materials, compile times and cost in the render."""
     def counters(self) -> dict[str, int]:
         """What was done so far: meshesBuilt, meshesUploaded, instancesUploaded, lightsUploaded, camerasUploaded,
         materialsGenerated, materialsUploaded, kernelsCompiled, texturesUploaded, commits."""

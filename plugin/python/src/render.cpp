@@ -106,7 +106,16 @@ nb::list KernelSources(const RenderDelegate& self) {
     d["primvars"] = use.primvars;
     d["materials"] = use.materials;
     d["generateMilliseconds"] = use.generateMilliseconds;
-    d["compileMilliseconds"] = use.compileMilliseconds;
+    d["state"] = use.state;
+    d["codeMilliseconds"] = use.codeMilliseconds;
+    d["codeFromCache"] = use.codeFromCache;
+    d["createMilliseconds"] = use.createMilliseconds;
+    d["firstDispatchMilliseconds"] = use.firstDispatchMilliseconds;
+    d["spirvBytes"] = use.spirvBytes;
+    d["milliseconds"] = use.milliseconds;
+    d["paths"] = use.paths;
+    d["nanosecondsPerPath"] = use.nanosecondsPerPath;
+    d["share"] = use.share;
     list.append(d);
   }
   return list;
@@ -125,6 +134,10 @@ nb::dict StatsDict(const RenderDelegate& self) {
     k["milliseconds"] = kernel.milliseconds;
     k["items"] = kernel.items;
     k["dispatches"] = kernel.dispatches;
+    k["state"] = kernel.state;
+    k["codeMilliseconds"] = kernel.codeMilliseconds;
+    k["codeFromCache"] = kernel.codeFromCache;
+    k["spirvBytes"] = kernel.spirvBytes;
     k["createMilliseconds"] = kernel.createMilliseconds;
     k["firstDispatchMilliseconds"] = kernel.firstDispatchMilliseconds;
     kernels.append(k);
@@ -159,6 +172,9 @@ nb::dict StatsDict(const RenderDelegate& self) {
   d["validationMessages"] = stats.validationMessages;
   d["errorFlags"] = stats.errorFlags;
   d["poolSize"] = stats.poolSize;
+  d["kernelsPending"] = stats.kernelsPending;
+  d["firstPathSeconds"] = stats.firstPathSeconds;
+  d["kernelsReadySeconds"] = stats.kernelsReadySeconds;
   d["counters"] = CountersDict(self);
   d["kernelSources"] = KernelSources(self);
   return d;

@@ -15,6 +15,7 @@ const uint kPhaseIdle = 0u;       // no path; wants a new one
 const uint kPhaseReady = 1u;      // rays are done: logic
 const uint kPhaseOpacity = 2u;    // shadow ray met a surface that is not opaque: opacity kernel
 const uint kPhaseEmission = 3u;   // light sample is seen, its emission is to be found: emission kernel
+const uint kPhaseHeld = 8u;       // logic is done with it; its surface kernel is still being compiled
 const uint kPhaseMask = 0xfu;
 const uint kBounceShift = 4u;
 const uint kPassShift = 12u;

@@ -1,0 +1,36 @@
+#version 460
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the hdWavefront authors
+// Stands in for the surface kernel of a material that has none: a matte grey while it is being compiled (interactive
+// renders only, and nothing of it stays in the film), magenta where it does not compile.
+// Reads, writes and pushes what every surface kernel does (material/surface_tail.glsl). Runs after: scatter.
+// pushWord1: 0 grey, 1 magenta.
+#extension GL_GOOGLE_include_directive : require
+#include "material/surface_head.glsl"
+
+struct Closure {
+  vec3 opacity;
+  vec3 emission;
+  vec3 interiorExtinction;
+  vec3 albedo;
+  Frame frame;
+};
+const bool kHasTransmission = false;
+const bool kHasOpacity = false;
+const bool kHasEmission = false;
+void closureMake(ShadingPoint sp, out Closure c) {
+  c.opacity = vec3(1.0);
+  c.emission = c.interiorExtinction = vec3(0.0);
+  c.albedo = pushWord1 != 0u ? vec3(1.0, 0.0, 1.0) : vec3(0.5);
+  c.frame = frameFromNormal(dot(sp.normalWorld, sp.wo) < 0.0 ? -sp.normalWorld : sp.normalWorld);
+}
+vec4 closureEval(Closure c, vec3 wo, vec3 wi) {
+  float k = max(toLocal(c.frame, wi).z, 0.0) * 0.31830988618;
+  return vec4(c.albedo * k, k);
+}
+vec3 closureSample(Closure c, vec3 wo, float uLobe, vec2 u) {
+  float r = sqrt(u.x), phi = 6.28318530718 * u.y;
+  return toWorld(c.frame, vec3(r * cos(phi), r * sin(phi), sqrt(max(0.0, 1.0 - u.x))));
+}
+vec3 closureAlbedo(Closure c, vec3 wo) { return c.albedo; }
+#include "material/surface_tail.glsl"

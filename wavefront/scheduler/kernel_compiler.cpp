@@ -1,0 +1,176 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the hdWavefront authors
+#include "wavefront/scheduler/kernel_compiler.h"
+
+#include <algorithm>
+#include <iterator>
+
+#include "wavefront/vulkan/command_stream.h"
+
+namespace wavefront {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+double Seconds(Clock::time_point from) { return std::chrono::duration<double>(Clock::now() - from).count(); }
+
+// Mesa writes its cache from a thread of its own, a moment after the dispatch. A rendering device that comes too early
+// compiles once more, in the render thread: slow, not wrong.
+constexpr auto kCacheWriteTime = std::chrono::milliseconds(60);
+// A dispatch that found the code in the cache is faster than this.
+constexpr double kCompiledSeconds = 0.025;
+
+}  // namespace
+
+// A device of this thread's own: one queue compiles serially, several devices compile side by side.
+struct KernelCompiler::WarmDevice {
+  std::unique_ptr<vulkan::Device> device;
+  std::unique_ptr<vulkan::PipelineLayout> layout;
+  std::unique_ptr<vulkan::DescriptorSet> set;
+  std::unique_ptr<vulkan::CommandStream> stream;
+
+  static Result<std::unique_ptr<WarmDevice>> Create(const vulkan::Device& like, const vulkan::PipelineLayout& likeLayout) {
+    auto warm = std::make_unique<WarmDevice>();
+    vulkan::DeviceOptions options;
+    options.selector = std::to_string(like.info().index);
+    options.validation = like.validation();
+    auto device = vulkan::Device::Create(options);
+    if (!device) return device.error();
+    warm->device = std::move(device).value();
+    auto layout = vulkan::PipelineLayout::Create(*warm->device, likeLayout.bindings(), "warm-up");
+    if (!layout) return layout.error();
+    warm->layout = std::move(layout).value();
+    auto set = vulkan::DescriptorSet::Create(*warm->device, *warm->layout, "warm-up");
+    if (!set) return set.error();
+    warm->set = std::move(set).value();
+    auto stream = vulkan::CommandStream::Create(*warm->device, {1, 0, "warm-up"});
+    if (!stream) return stream.error();
+    warm->stream = std::move(stream).value();
+    return warm;
+  }
+
+  Status Dispatch(const KernelCode& code, const std::string& name, CompileCost* cost) {
+    auto pipeline = vulkan::ComputePipeline::Create(*device, *layout, {code.spirv, "main", {}, name});
+    if (!pipeline) return pipeline.error();
+    cost->createSeconds += pipeline.value()->creationSeconds();
+    const auto start = Clock::now();
+    if (Status s = stream->Begin(); !s) return s;
+    stream->BindSet(*set);
+    stream->BindPipeline(*pipeline.value());
+    const uint32_t push[4] = {};
+    stream->PushConstants(std::as_bytes(std::span(push)));
+    stream->Dispatch(0, 1, 1);
+    auto value = stream->Submit();
+    if (!value) return value.error();
+    if (auto done = stream->Wait(value.value()); !done) return done.error();
+    cost->firstDispatchSeconds = Seconds(start);
+    return {};
+  }
+};
+
+KernelCompiler::KernelCompiler(vulkan::Device& device, const vulkan::PipelineLayout& layout, unsigned threads)
+    : device_(device), layout_(layout), driverCompile_(vulkan::DriverCompileOf(device.info(), &whyNoCache_)),
+      threadCount_(std::clamp(threads, 1u, 16u)) {}
+
+KernelCompiler::~KernelCompiler() {
+  {
+    std::lock_guard lock(mutex_);
+    stop_ = true;
+    queue_.clear();
+  }
+  work_.notify_all();
+  for (std::thread& thread : threads_) thread.join();
+}
+
+void KernelCompiler::Enqueue(std::vector<Job> jobs) {
+  std::lock_guard lock(mutex_);
+  for (Job& job : jobs) queue_.push_back(std::move(job));
+  // Threads are made when there is work for them: most edits compile nothing.
+  while (threads_.size() < std::min<std::size_t>(threadCount_, queue_.size())) threads_.emplace_back([this] { Run(); });
+  work_.notify_all();
+}
+
+std::vector<KernelCompiler::Done> KernelCompiler::Take() {
+  std::lock_guard lock(mutex_);
+  const auto now = Clock::now();
+  const auto early = std::stable_partition(done_.begin(), done_.end(), [&](const Done& d) { return d.readyAt <= now; });
+  std::vector<Done> taken(std::move_iterator(done_.begin()), std::move_iterator(early));
+  done_.erase(done_.begin(), early);
+  return taken;
+}
+
+std::size_t KernelCompiler::finished() const {
+  std::lock_guard lock(mutex_);
+  return done_.size();
+}
+
+void KernelCompiler::Wait(double seconds) {
+  const auto end = Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds));
+  std::unique_lock lock(mutex_);
+  for (;;) {
+    auto until = end;
+    for (const Done& done : done_) until = std::min(until, done.readyAt);
+    if (until <= Clock::now()) return;
+    finished_.wait_until(lock, until);
+  }
+}
+
+void KernelCompiler::Run() {
+  std::unique_ptr<WarmDevice> warm;
+  std::unique_lock lock(mutex_);
+  for (;;) {
+    if (queue_.empty() && !stop_) {
+      // A device that waits for the next edit would only hold memory.
+      lock.unlock();
+      warm.reset();
+      lock.lock();
+    }
+    work_.wait(lock, [this] { return stop_ || !queue_.empty(); });
+    if (stop_) return;
+    const Job job = std::move(queue_.front());
+    queue_.pop_front();
+    lock.unlock();
+    Done done = Compile(job, warm);
+    lock.lock();
+    done_.push_back(std::move(done));
+    finished_.notify_all();
+  }
+}
+
+KernelCompiler::Done KernelCompiler::Compile(const Job& job, std::unique_ptr<WarmDevice>& warm) {
+  Done done;
+  done.bucket = job.bucket;
+  const KernelCode code = job.code();
+  done.cost.codeMilliseconds = code.milliseconds;
+  done.cost.codeFromCache = code.fromCache;
+  done.cost.spirvBytes = code.spirv.size() * 4;
+  if (code.spirv.empty()) {
+    done.error = code.error;
+    return done;
+  }
+  done.readyAt = Clock::now();
+  if (driverCompile_ == vulkan::DriverCompile::AtDispatchCached) {
+    if (!warm) {
+      auto created = WarmDevice::Create(device_, layout_);
+      // Without it the rendering device compiles: slower, and the same picture.
+      if (created) warm = std::move(created).value();
+      else done.trouble = created.error().message;
+    }
+    if (warm) {
+      if (Status s = warm->Dispatch(code, job.name, &done.cost); !s) {
+        done.error = s.error().message;
+        return done;
+      }
+    }
+    if (done.cost.firstDispatchSeconds > kCompiledSeconds) done.readyAt = Clock::now() + kCacheWriteTime;
+  }
+  auto pipeline = vulkan::ComputePipeline::Create(device_, layout_, {code.spirv, "main", {}, job.name});
+  if (!pipeline) {
+    done.error = pipeline.error().message;
+    return done;
+  }
+  done.pipeline = std::move(pipeline).value();
+  done.cost.createSeconds += done.pipeline->creationSeconds();
+  return done;
+}
+
+}  // namespace wavefront
