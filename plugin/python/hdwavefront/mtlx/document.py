@@ -70,8 +70,10 @@ def _plugin_files() -> Iterator[str]:
 def _resolve_file_names(mx: Any, document: Any, folder: str) -> None:
     """File names become whole before nodes move: the prefixes stand on the elements around them.
 
-    Names are relative to the document; where nothing is there, to the included file that holds them.
+    Names are relative to the document; where nothing is there, to the included file that holds them, and to the folders
+    of MATERIALX_SEARCH_PATH.
     """
+    search = [path for path in os.environ.get("MATERIALX_SEARCH_PATH", "").split(os.pathsep) if path]
     prefixed = []
     for element in document.traverseTree():
         if element.hasFilePrefix():
@@ -80,7 +82,7 @@ def _resolve_file_names(mx: Any, document: Any, folder: str) -> None:
             continue
         name = element.getResolvedValueString()
         if "://" not in name:
-            places = [folder, os.path.dirname(element.getActiveSourceUri())]
+            places = [folder, os.path.dirname(element.getActiveSourceUri()), *search]
             candidates = [os.path.normpath(os.path.join(folder, place, name)) for place in places]
             name = next((c for c in candidates if _is_there(c)), candidates[0])
         element.setValueString(name)
