@@ -600,23 +600,31 @@ TEST(MaterialGen, MaterialXExamplesCompile) {
   }
 }
 
-// What later issues will finish, and nodes of every kind: all of it compiles, supported or shown in magenta.
+// Every document of MaterialX that there is: all its surfaces compile, and nothing of them is left out.
 TEST(MaterialGen, MaterialXTestSuiteCompiles) {
   const std::filesystem::path root = Assets() / "materialx/resources/Materials";
   if (!std::filesystem::exists(root)) GTEST_SKIP() << "no assets at " << root << "; set HDWAVEFRONT_ASSETS";
   std::set<std::string> unsupported;
+  size_t documents = 0, surfaces = 0;
   for (const auto& file : std::filesystem::recursive_directory_iterator(root)) {
     if (file.path().extension() != ".mtlx") continue;
+    ++documents;
     for (const MaterialNetwork& network :
          materialgen_test::NetworksOf(file.path().string(), HDWAVEFRONT_MATERIALX_LIBRARIES)) {
+      ++surfaces;
       const Result result = RunNetwork(network);
       ExpectCompiles(result.material, file.path().filename().string());
       for (const Message& m : result.messages) {
-        if (m.severity == Severity::Error) unsupported.insert(m.code + ": " + m.text);
+        // What the random walk will take away; nothing else may be left out.
+        if (m.text.find("subsurface scattering is rendered as diffuse") != std::string::npos) continue;
+        if (m.severity != Severity::Info)
+          unsupported.insert(file.path().filename().string() + " " + m.code + ": " + m.text);
       }
     }
   }
-  for (const std::string& text : unsupported) std::cout << text << "\n";
+  EXPECT_EQ(documents, 77u);
+  EXPECT_EQ(surfaces, 120u);  // displacement.mtlx and lama_surface.mtlx have none
+  EXPECT_EQ(unsupported, std::set<std::string>());
 }
 
 // Every node of the library whose value is a number, its inputs varying. What is not supported is known here.

@@ -31,7 +31,7 @@ Value ValueOf(const mx::InputPtr& input) {
     return materialgen::AssetValue{path, path, input->getActiveColorSpace()};
   }
   const mx::ValuePtr value = input->getValue();
-  if (!value) return {};
+  if (!value || input->getValueString().empty()) return {};
   if (value->isA<bool>()) return value->asA<bool>();
   if (value->isA<int>()) return int32_t(value->asA<int>());
   if (value->isA<float>()) return value->asA<float>();
@@ -79,6 +79,45 @@ class Reader {
   MaterialNetwork& network_;
   std::set<std::string> added_;
 };
+
+// Graphs take the place of the nodes that the document defines by them.
+void FlattenOwnNodes(const mx::DocumentPtr& document) {
+  std::set<std::string> own;
+  for (const mx::ElementPtr& child : document->getChildren())
+    if (child->isA<mx::NodeDef>()) own.insert(child->getName());
+  const auto isOwn = [&](const mx::NodePtr& node) {
+    const mx::NodeDefPtr definition = node->getNodeDef();
+    return definition && own.count(definition->getName()) > 0;
+  };
+  document->flattenSubgraphs("", isOwn);
+  for (const mx::ElementPtr& child : document->getChildren()) {
+    const mx::NodeGraphPtr graph = child->asA<mx::NodeGraph>();
+    if (graph && !graph->getNodeDef()) graph->flattenSubgraphs("", isOwn);
+  }
+}
+
+// Those of the materials, by their names; in a document without materials, those that its graphs give out.
+std::vector<std::pair<std::string, mx::NodePtr>> Surfaces(const mx::DocumentPtr& document) {
+  std::vector<std::pair<std::string, mx::NodePtr>> found;
+  const auto add = [&](const std::string& name, const mx::NodePtr& material) {
+    const mx::InputPtr input = material ? material->getInput("surfaceshader") : nullptr;
+    const mx::NodePtr surface = input ? input->getConnectedNode() : nullptr;
+    if (surface) found.emplace_back(name, surface);
+  };
+  for (const mx::NodePtr& material : document->getMaterialNodes()) add(material->getName(), material);
+  if (!document->getMaterialNodes().empty()) return found;
+  for (const mx::ElementPtr& child : document->getChildren()) {
+    const mx::NodeGraphPtr graph = child->asA<mx::NodeGraph>();
+    if (!graph || graph->getNodeDef()) continue;
+    for (const mx::OutputPtr& output : graph->getOutputs()) {
+      const mx::NodePtr node = output->getConnectedNode();
+      const std::string name = graph->getName() + "_" + output->getName();
+      if (output->getType() == "surfaceshader" && node) found.emplace_back(name, node);
+      if (output->getType() == "material") add(name, node);
+    }
+  }
+  return found;
+}
 
 }  // namespace
 
@@ -145,12 +184,10 @@ std::vector<MaterialNetwork> NetworksOf(const std::string& mtlxFile, const std::
     mx::DocumentPtr document = mx::createDocument();
     mx::readFromXmlFile(document, mtlxFile);
     document->setDataLibrary(Library(libraryPath));
-    for (const mx::NodePtr& material : document->getMaterialNodes()) {
-      const mx::InputPtr input = material->getInput("surfaceshader");
-      const mx::NodePtr surface = input ? input->getConnectedNode() : nullptr;
-      if (!surface) continue;
+    FlattenOwnNodes(document);
+    for (const auto& [name, surface] : Surfaces(document)) {
       MaterialNetwork network;
-      network.path = "/" + material->getName();
+      network.path = "/" + name;
       network.surfaceNode = Reader(&network).Add(surface);
       network.surfaceOutput = "out";
       networks.push_back(std::move(network));

@@ -10,7 +10,8 @@
 
 namespace materialgen_test {
 
-// Networks of all materials in the file; empty where it cannot be read.
+// Networks of all materials in the file, or of the surfaces that its graphs give out where it has no material; empty
+// where it cannot be read. Nodes that the file defines by graphs are replaced by those.
 std::vector<materialgen::MaterialNetwork> NetworksOf(const std::string& mtlxFile, const std::string& libraryPath);
 
 // Every node definition of the library whose outputs are numbers, with a network that adds `batch` of them at a time up
