@@ -8,6 +8,7 @@ It draws nothing: `map` gives a plain grey. What the image looks like is the bus
 from __future__ import annotations
 
 import ast
+import importlib
 import inspect
 from pathlib import Path
 from types import SimpleNamespace
@@ -173,7 +174,10 @@ def fake_core(delegates: list[RecordingDelegate]) -> Any:
         delegates.append(RecordingDelegate(**options))
         return delegates[-1]
 
+    names = importlib.import_module("hdwavefront._core")  # pure functions need no stand-in
     return SimpleNamespace(
+        aov_channels=names.aov_channels,
+        aov_of_render_var=names.aov_of_render_var,
         __version__="0.0.test",
         RenderDelegate=make,
         aovs=lambda: [{"token": token, "components": n} for token, n in AOVS.items()],

@@ -266,6 +266,35 @@ def test_a_render_settings_prim_counts(run, stage_file, tmp_path, recorded):
     assert (tmp_path / "look.png").exists() and "look.png" in out
 
 
+OTHERS = RENDER.replace(
+    'token productName = "layers.exr"',
+    'token productName = "layers.exr"\n        rel camera = </a>\n        uniform int2 resolution = (16, 8)\n'
+    "        uniform float4 dataWindowNDC = (0.5, 0, 1, 1)\n",
+)
+
+
+def test_each_product_looks_for_itself(run, stage_file, tmp_path, recorded):
+    assert run("record", stage_file(OTHERS), tmp_path / "o.exr")[0] == 0
+    told = recorded[0]
+    passes = [
+        (values["camera"], values["width"], values["height"])
+        for name, _, values in told.calls
+        if name == "set_render_pass"
+    ]
+    assert passes == [("/b", 30, 12), ("/a", 8, 8)]
+    assert [name for name, _, _ in told.calls].count("start") == 2  # look.png shares the first
+    spec = oiio.ImageInput.open(str(tmp_path / "layers.exr")).spec()
+    assert (spec.width, spec.height, spec.x, spec.y, spec.full_width, spec.full_height) == (8, 8, 8, 0, 16, 8)
+    assert oiio.ImageInput.open(str(tmp_path / "look.png")).spec().width == 30
+
+
+def test_flags_win_over_the_products_too(run, stage_file, tmp_path, recorded):
+    text = OTHERS.replace("        uniform float4 dataWindowNDC = (0.5, 0, 1, 1)\n", "")
+    assert run("record", stage_file(text), tmp_path / "o.exr", "-w", 60, "--camera", "/a")[0] == 0
+    assert [name for name, _, _ in recorded[0].calls].count("start") == 1
+    assert oiio.ImageInput.open(str(tmp_path / "layers.exr")).spec().width == 60
+
+
 def test_flags_win_over_the_render_settings_prim(run, stage_file, tmp_path, recorded):
     flags = ("-w", 60, "--camera", "/a", "--purposes", "proxy", "--samples", 3)
     assert run("record", stage_file(RENDER), tmp_path / "o.exr", *flags)[0] == 0

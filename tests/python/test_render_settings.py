@@ -6,7 +6,12 @@ from __future__ import annotations
 
 import pytest
 from hdwavefront.errors import Diagnostics, HdWavefrontError
-from hdwavefront.stage_adapters.render_settings import find_render_settings, read_render_settings, settings_of_pass
+from hdwavefront.stage_adapters.render_settings import (
+    Shot,
+    find_render_settings,
+    read_render_settings,
+    settings_of_pass,
+)
 from pxr import Sdf, Usd
 from usda import said
 
@@ -60,6 +65,7 @@ def read(settings: str = "", product: str = "", variables: str = VAR, time: floa
         ('uniform token[] materialBindingPurposes = ["preview", ""]', "material_purpose", "preview"),
         ('uniform token[] materialBindingPurposes = [""]', "material_purpose", ""),
         ('uniform token renderingColorSpace = "acescg"', "rendering_space", "acescg"),
+        ("uniform float4 dataWindowNDC = (0, 0, 0.5, 1)", "data_window", (0, 0, 0.5, 1)),
         ("uniform bool disableDepthOfField = 1", "disable_depth_of_field", True),
         ("float pixelAspectRatio.timeSamples = { 1: 1, 2: 3 }", "pixel_aspect_ratio", 3),
         ("custom int wavefront:samples = 5", "settings", {"samples": 5}),
@@ -68,21 +74,27 @@ def read(settings: str = "", product: str = "", variables: str = VAR, time: floa
 )
 def test_every_attribute_is_read(line, field, value):
     got, diagnostics = read(line, time=2)
-    assert getattr(got, field) == value
+    assert getattr(got if hasattr(got, field) else got.shot, field) == value
     assert not list(diagnostics)
 
 
 def test_what_is_not_authored_is_left_to_the_defaults():
     got, _ = read()
-    assert (got.camera, got.resolution, got.pixel_aspect_ratio, got.window_policy) == ("", None, None, "")
+    assert (got.shot.camera, got.shot.resolution, got.shot.pixel_aspect_ratio, got.shot.window_policy) == (
+        "",
+        None,
+        None,
+        "",
+    )
     assert (got.purposes, got.material_purpose, got.rendering_space) == (None, None, "")
-    assert got.disable_depth_of_field is False and got.products == [] and got.settings == {}
+    assert got.shot.disable_depth_of_field is False and got.products == [] and got.settings == {}
 
 
 @pytest.mark.parametrize(
     ("line", "code"),
     [
-        ("uniform float4 dataWindowNDC = (0, 0, 0.5, 1)", "render-data-window"),
+        ("uniform float4 dataWindowNDC = (0, 0, -0.5, 1)", "render-settings-bad-value"),
+        ("uniform float4 dataWindowNDC = (0, 0, 1e9, 1)", "render-settings-bad-value"),
         ("uniform float pixelAspectRatio = -1", "render-settings-bad-value"),
         ("uniform float pixelAspectRatio = 0", "render-settings-bad-value"),
         ('uniform token aspectRatioConformPolicy = "stretch"', "render-settings-bad-value"),
@@ -92,7 +104,7 @@ def test_what_is_not_authored_is_left_to_the_defaults():
 def test_what_cannot_be_done_is_said_and_stops_nothing(line, code):
     got, diagnostics = read(line)
     assert said(diagnostics) == [(code, "/s")]
-    assert got.pixel_aspect_ratio is None and got.window_policy == ""
+    assert got.shot.pixel_aspect_ratio is None and got.shot.window_policy == ""
 
 
 def test_a_data_window_that_is_the_whole_image_is_nothing_to_say():
@@ -143,25 +155,32 @@ def test_a_var_without_a_source_is_its_own_name_and_doubles_count_once():
             'token productName = "p.exr"; rel orderedVars = [</a>, </v>]',
             [("render-var-missing", "/a")],
         ),
-        (f"int2 resolution = (8, 8); {PRODUCTS}", f"int2 resolution = (4, 8); {NAMED}", "override"),
-        (f"int2 resolution = (8, 8); {PRODUCTS}", f"int2 resolution = (8, 8); {NAMED}", []),
-        (PRODUCTS, f"float pixelAspectRatio = 2; {NAMED}", "override"),
-        (PRODUCTS, f'token aspectRatioConformPolicy = "cropAperture"; {NAMED}', "override"),
-        (PRODUCTS, f"float4 dataWindowNDC = (0, 0, 1, 0.5); {NAMED}", "override"),
-        (PRODUCTS, f"bool disableDepthOfField = 1; {NAMED}", "override"),
-        (f"rel camera = </a>; {PRODUCTS}", f"rel camera = </b>; {NAMED}", "override"),
-        (f"rel camera = </a>; {PRODUCTS}", f"rel camera = </a>; {NAMED}", []),
-        (PRODUCTS, f"rel camera = </b>; {NAMED}", []),
+        (PRODUCTS, f"custom int wavefront:samples = 4; {NAMED}", [("render-product-setting", "/p")]),
+        (PRODUCTS, f"float pixelAspectRatio = 0; {NAMED}", [("render-settings-bad-value", "/p")]),
+        (PRODUCTS, f"float4 dataWindowNDC = (1, 0, 0, 1); {NAMED}", [("render-settings-bad-value", "/p")]),
+        (f"rel camera = </a>; {PRODUCTS}", f"rel camera = </b>; {NAMED}", []),
     ],
 )
 def test_what_products_cannot_have_is_said(settings, product, expected):
     _, diagnostics = read(settings, product)
-    assert said(diagnostics) == ([("render-product-override", "/p")] if expected == "override" else expected)
+    assert said(diagnostics) == expected
+
+
+def test_a_product_looks_where_it_says_and_else_where_its_settings_say():
+    settings = f"rel camera = </a>; int2 resolution = (8, 8); float pixelAspectRatio = 2; {PRODUCTS}"
+    product = (
+        'int2 resolution = (4, 8); token aspectRatioConformPolicy = "cropAperture"; '
+        f"float4 dataWindowNDC = (0, 0, 1, 0.5); bool disableDepthOfField = 1; {NAMED}"
+    )
+    got, diagnostics = read(settings, product)
+    assert not list(diagnostics)
+    assert got.shot == Shot("/a", (8, 8), 2)
+    assert got.products[0].shot == Shot("/a", (4, 8), 2, "cropAperture", (0, 0, 1, 0.5), True)
 
 
 def test_a_products_camera_counts_where_the_settings_have_none():
-    assert read(PRODUCTS, f"rel camera = </b>; {NAMED}")[0].camera == "/b"
-    assert read(f"rel camera = </a>; {PRODUCTS}", f"rel camera = </b>; {NAMED}")[0].camera == "/a"
+    assert read(PRODUCTS, f"rel camera = </b>; {NAMED}")[0].shot.camera == "/b"
+    assert read(f"rel camera = </a>; {PRODUCTS}", f"rel camera = </b>; {NAMED}")[0].shot.camera == "/a"
 
 
 def test_settings_are_found_by_name_by_metadata_or_not_at_all():

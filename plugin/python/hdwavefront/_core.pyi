@@ -35,6 +35,12 @@ def render_settings() -> list[dict[str, Any]]:
 def aovs() -> list[dict[str, Any]]:
     """Every AOV: token, components, format ("float32", "int32"), clear, rule, doc. "primvars:<name>" stands for any."""
 
+def aov_of_render_var(source_name: str, source_type: str = "raw") -> str:
+    """The token of the AOV that a RenderVar asks for, by other renderers' names too; "" for none."""
+
+def aov_channels(aov: str) -> list[str]:
+    """The names of an AOV's channels in EXR files."""
+
 class Diagnostic:
     """One distinct problem with scene content."""
     @property
@@ -237,12 +243,14 @@ class RenderDelegate:
         width: int | None = None,
         height: int | None = None,
         pixel_aspect_ratio: float | None = None,
+        data_window: tuple[float, float, float, float] | None = None,
         window_policy: str | None = None,
         render_tags: Sequence[str] | None = None,
         aovs: Sequence[str] | None = None,
     ) -> None:
         """
-        camera: path of a synced camera. window_policy: UsdRender's expandAperture (default), cropAperture,
+        data_window: left, bottom, right, top of what is rendered, in parts of the picture; width and height are its
+            pixels. camera: path of a synced camera. window_policy: UsdRender's expandAperture (default), cropAperture,
             adjustApertureWidth, adjustApertureHeight, adjustPixelAspectRatio, or Hydra's fit, crop, matchVertically,
             matchHorizontally, dontConform. ValueError: unknown AOV or policy, size 0 or above 65536 a side.
         aovs: tokens of aovs(), and "primvars:<name>" for up to four primvars.

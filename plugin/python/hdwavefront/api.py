@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 import os
 import time as clock
@@ -112,6 +113,7 @@ class Render:
         self.timings["open"] = clock.perf_counter() - begin
         self.time = self._time_code(frame)
         self.render_settings = self._read_render_settings(render_settings, render_pass)
+        self.shot = self.render_settings.shot
         self.aovs = _check_aovs([*aovs, *(a for p in self.render_settings.products for a in p.aovs)])
         from .color.manager import DEFAULT_RENDERING_SPACE, ColorManager
 
@@ -126,7 +128,7 @@ class Render:
         self._sink = TrackingSink(self.delegate)
         self._seen_diagnostics = 0
         self.camera = ""
-        self.size = (0, 0)
+        self.size = self.full_size = (0, 0)  # of what is rendered; of the picture, where a data window is a part of it
         self._prepared = False
 
     # -- Set-up
@@ -176,12 +178,12 @@ class Render:
 
         if self._camera_name:
             return require_camera(self.stage, self._camera_name)
-        if self.render_settings.camera:
-            camera = find_camera(self.stage, self.render_settings.camera)
+        if self.shot.camera:
+            camera = find_camera(self.stage, self.shot.camera)
             if camera is not None:
                 return camera
             self.diagnostics.warning(
-                "camera-missing", self.render_settings.path, f"the camera {self.render_settings.camera} does not exist"
+                "camera-missing", self.render_settings.path, f"the camera {self.shot.camera} does not exist"
             )
         from pxr import UsdUtils
 
@@ -194,6 +196,7 @@ class Render:
     def set_frame(self, frame: float | str | None) -> None:
         """Another frame of the same stage; what did not change is not done again."""
         self.time = self._time_code(frame)
+        self.shot = self.render_settings.shot
         self._prepared = False
 
     def prepare(self) -> None:
@@ -247,15 +250,19 @@ class Render:
             self.camera = str(camera.GetPath())
             params = cameras.camera_params(camera, self.time, self.diagnostics)
             transform = cameras.camera_transform(camera, self.time)
-            if self.render_settings.disable_depth_of_field:
+            if self.shot.disable_depth_of_field:
                 params["fStop"] = 0.0
         self._sink.sync_camera(self.camera, params=params, transform=transform)
-        self.size = self._image_size(cameras.aspect_ratio(params))
+        self.full_size = self._image_size(cameras.aspect_ratio(params))
+        left, bottom, right, top = self.shot.data_window
+        self.size = (round(self.full_size[0] * (right - left)), round(self.full_size[1] * (top - bottom)))
+        if min(self.size) < 1:
+            raise HdWavefrontError(f"{self.render_settings.path}: a dataWindowNDC has no pixels.")
         return transform
 
     def _image_size(self, aspect: float) -> tuple[int, int]:
         width, height = self._size_wish
-        resolution = self.render_settings.resolution
+        resolution = self.shot.resolution
         if width is None and height is None and resolution is not None:
             width, height = resolution
             if width <= 0 or height <= 0:
@@ -277,8 +284,9 @@ class Render:
                 camera=self.camera,
                 width=self.size[0],
                 height=self.size[1],
-                pixel_aspect_ratio=settings.pixel_aspect_ratio or 1.0,
-                window_policy=self._window_policy or settings.window_policy or "expandAperture",
+                pixel_aspect_ratio=self.shot.pixel_aspect_ratio or 1.0,
+                data_window=self.shot.data_window,
+                window_policy=self._window_policy or self.shot.window_policy or "expandAperture",
                 render_tags=sorted("geometry" if p == "default" else p for p in purposes),
                 aovs=self.aovs,
             )
@@ -379,24 +387,66 @@ class Render:
         metadata = self._metadata()
         if self._is_linear(path):
             layers = {aov: self.map(aov) for aov in wanted}
-            writer.write_linear(path, layers, metadata, self.colors.rendering_space)
+            writer.write_linear(path, layers, metadata, self.colors.rendering_space, self._place())
             return
         kind = writer.extension(path)
         encoded = self._encode(self.map("color"), keep_alpha=writer.holds_alpha(path))
         if kind == ".exr":
             encoded[..., :3] *= encoded[..., 3:4]  # colour in EXR files is premultiplied, whatever it is encoded for
             others = {aov: self.map(aov) for aov in wanted if aov != "color"}
-            writer.write_linear(path, {"color": encoded, **others}, metadata, "")
+            writer.write_linear(path, {"color": encoded, **others}, metadata, "", self._place())
             return
         writer.write_display(path, encoded, metadata)
 
-    def save_products(self, folder: str) -> list[str]:
-        """Writes the products of the RenderSettings prim, relative names in `folder`; returns the paths."""
+    def save_products(self, folder: str, render: Callable[[], bool] | None = None) -> list[str]:
+        """Writes the products of the RenderSettings prim, relative names in `folder`; returns the paths.
+
+        Those that look at what was rendered are written as it is. For the others, by camera, resolution and so on, one
+        picture after the other is rendered, and the last one stays. `render` starts and waits; False: give up.
+        """
         written = []
-        for product, path in self.product_paths(folder):
-            self.save(path, product.aovs)
-            written.append(path)
+        for shot, products in self._shots(folder):
+            if self.look_at(shot):
+                if render is None:
+                    self.start()
+                    self.wait()
+                elif not render():
+                    break
+            for product, path in products:
+                self.save(path, product.aovs)
+                written.append(path)
         return written
+
+    def look_at(self, shot: Any) -> bool:
+        """Another camera, resolution ... for the next render. False: it is what is looked at already."""
+        if self._own(shot) == self._own(self.shot):
+            return False
+        self.shot = shot
+        self._prepared = False
+        return True
+
+    def _own(self, shot: Any) -> Any:
+        """What of a shot counts: flags win over prims."""
+        changes: dict[str, Any] = {}
+        if self._camera_name:
+            changes["camera"] = ""
+        if self._size_wish != (None, None):
+            changes["resolution"] = None
+        if self._window_policy:
+            changes["window_policy"] = ""
+        return dataclasses.replace(shot, **changes)
+
+    def _shots(self, folder: str) -> list[tuple[Any, list[tuple[Any, str]]]]:
+        """The products by what they look at, beginning with what was rendered."""
+        shots: list[tuple[Any, list[tuple[Any, str]]]] = [(self.shot, [])]
+        for product, path in self.product_paths(folder):
+            for shot, products in shots:
+                if self._own(shot) == self._own(product.shot):
+                    products.append((product, path))
+                    break
+            else:
+                shots.append((product.shot, [(product, path)]))
+        return shots
 
     def product_paths(self, folder: str) -> list[tuple[Any, str]]:
         return [(p, os.path.join(folder, p.name)) for p in self.render_settings.products]
@@ -427,13 +477,18 @@ class Render:
         encoded[..., 3:4] = alpha
         return encoded
 
+    def _place(self) -> tuple[int, int, int, int]:
+        """Of what is rendered in the picture: left column, upper row; the picture's width and height."""
+        width, height = self.full_size
+        return round(self.shot.data_window[0] * width), round((1 - self.shot.data_window[3]) * height), width, height
+
     def _metadata(self) -> dict[str, Any]:
         metadata: dict[str, Any] = {
             "Software": f"hdWavefront {core().__version__}",
             "hdwavefront:stage": os.path.basename(self.path),
             "hdwavefront:camera": self.camera,
             "hdwavefront:renderingColorSpace": self.colors.rendering_space,
-            "PixelAspectRatio": float(self.render_settings.pixel_aspect_ratio or 1.0),
+            "PixelAspectRatio": float(self.shot.pixel_aspect_ratio or 1.0),
         }
         if not self.time.IsDefault():
             metadata["hdwavefront:frame"] = float(self.time.GetValue())

@@ -9,7 +9,7 @@
 /// Adds `__version__` and `build_facts()`, what `hdwavefront doctor` prints about the build.
 void BindBuildFacts(nanobind::module_& module);
 
-/// Adds `list_devices()`, `render_settings()`, `aovs()`.
+/// Adds `list_devices()`, `render_settings()`, `aovs()`, `aov_of_render_var()`, `aov_channels()`.
 void BindRegistries(nanobind::module_& module);
 
 /// Adds Diagnostic, TextureRequest, Film.

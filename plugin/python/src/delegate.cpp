@@ -3,6 +3,7 @@
 // RenderDelegate: how it is made, what is rendered, settings, textures.
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
+#include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
 
 #include "plugin/python/src/bindings.h"
@@ -28,8 +29,10 @@ RenderDelegate* MakeDelegate(const std::string& materialxLibraries, const std::s
 }
 
 void SetRenderPass(RenderDelegate& self, std::optional<std::string> camera, nb::object width, nb::object height,
-                   std::optional<double> pixelAspectRatio, std::optional<std::string> windowPolicy,
-                   std::optional<std::vector<std::string>> renderTags, std::optional<std::vector<std::string>> aovs) {
+                   std::optional<double> pixelAspectRatio,
+                   std::optional<std::tuple<double, double, double, double>> dataWindow,
+                   std::optional<std::string> windowPolicy, std::optional<std::vector<std::string>> renderTags,
+                   std::optional<std::vector<std::string>> aovs) {
   delegate::RenderPassUpdate update;
   // Negative and huge sizes get the same sentence as zero.
   const auto side = [](nb::handle value, const char* name) -> std::optional<uint32_t> {
@@ -41,6 +44,11 @@ void SetRenderPass(RenderDelegate& self, std::optional<std::string> camera, nb::
   update.width = side(width, "width");
   update.height = side(height, "height");
   update.pixelAspectRatio = pixelAspectRatio;
+  if (dataWindow) {
+    const auto [left, bottom, right, top] = *dataWindow;
+    if (!(left < right && bottom < top)) RaiseValue("a data window is left, bottom, right, top");
+    update.dataWindow = delegate::DataWindow{left, right, bottom, top};
+  }
   if (windowPolicy) {
     update.windowPolicy = delegate::ParseConformPolicy(*windowPolicy);
     if (!update.windowPolicy) RaiseValue("there is no window policy \"" + *windowPolicy + "\"");
@@ -88,8 +96,8 @@ void BindDelegate(nb::module_& module) {
            "memory_budget"_a = 0, "threads"_a = 0);
   const nb::object none = nb::none();
   type.def("set_render_pass", &SetRenderPass, nb::kw_only(), "camera"_a = none, "width"_a.none() = none,
-           "height"_a.none() = none, "pixel_aspect_ratio"_a = none, "window_policy"_a = none, "render_tags"_a = none,
-           "aovs"_a = none);
+           "height"_a.none() = none, "pixel_aspect_ratio"_a = none, "data_window"_a = none, "window_policy"_a = none,
+           "render_tags"_a = none, "aovs"_a = none);
   type.def("set_setting", &SetSetting, "token"_a, "value"_a);
   type.def("setting", &GetSetting, "token"_a);
   type.def("pending_textures", &RenderDelegate::PendingTextures, nb::call_guard<nb::gil_scoped_release>());

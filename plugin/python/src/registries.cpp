@@ -6,10 +6,12 @@
 #include <nanobind/stl/string_view.h>
 #include <nanobind/stl/vector.h>
 
+#include "delegate/render_vars.h"
 #include "plugin/python/src/bindings.h"
 #include "plugin/python/src/convert.h"
 
 namespace nb = nanobind;
+using namespace nb::literals;
 
 namespace {
 
@@ -84,4 +86,6 @@ void BindRegistries(nb::module_& module) {
   module.def("list_devices", &ListDevices);
   module.def("render_settings", &RenderSettings);
   module.def("aovs", &Aovs);
+  module.def("aov_of_render_var", &delegate::AovTokenOfVar, "source_name"_a, "source_type"_a = "raw");
+  module.def("aov_channels", &delegate::AovChannels, "aov"_a);
 }

@@ -188,31 +188,42 @@ def _record_frame(render: Any, path: str, folder: str, printer: _DiagnosticPrint
         sep="\n",
         flush=True,
     )
+    finished = _run(render, samples, printer)
+    state = render.progress
+    if not finished and state["pathsDone"] == 0:
+        print("Interrupted before the first sample; nothing was written.", file=sys.stderr)
+        return True
+    render.save(path)
+
+    def run() -> bool:
+        nonlocal finished
+        finished = finished and _run(render, samples, printer)
+        return finished
+
+    written = [path, *render.save_products(folder, run)]
+    done = f"{state['samplesDone']} of {samples} samples"
+    if finished:
+        print(f"Wrote {', '.join(written)} ({done}, {state['seconds']:.1f} s)", flush=True)
+    else:
+        print(f"Interrupted after {done}; what there is was written to {', '.join(written)}.", file=sys.stderr)
+    return not finished
+
+
+def _run(render: Any, samples: int, printer: _DiagnosticPrinter) -> bool:
+    """Renders, telling how far it is. False if Ctrl-C ended it early."""
     progress = ProgressDisplay(samples)
     printer.progress = progress
-    interrupted = False
     try:
         render.start()
         while not render.wait(0.25):
             progress.update(render.progress)
     except KeyboardInterrupt:
-        interrupted = True
         render.stop()
+        return False
     finally:
         progress.clear()
         printer.progress = None
-    state = render.progress
-    if interrupted and state["pathsDone"] == 0:
-        print("Interrupted before the first sample; nothing was written.", file=sys.stderr)
-        return True
-    render.save(path)
-    written = [path, *render.save_products(folder)]
-    done = f"{state['samplesDone']} of {samples} samples"
-    if interrupted:
-        print(f"Interrupted after {done}; what there is was written to {', '.join(written)}.", file=sys.stderr)
-    else:
-        print(f"Wrote {', '.join(written)} ({done}, {state['seconds']:.1f} s)", flush=True)
-    return interrupted
+    return True
 
 
 def _write_stats(path: str, render: Any, seconds: float) -> None:

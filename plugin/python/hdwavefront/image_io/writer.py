@@ -32,19 +32,6 @@ FORMATS: dict[str, tuple[bool, int]] = {
 }
 _HOLDS_ALPHA = frozenset({".png", ".tif", ".tiff", ".tga"})
 
-_CHANNELS = {
-    "color": ("R", "G", "B", "A"),
-    "albedo": ("albedo.R", "albedo.G", "albedo.B"),
-    "normal": ("normal.X", "normal.Y", "normal.Z"),
-    "Neye": ("Neye.X", "Neye.Y", "Neye.Z"),
-    "depth": ("depth.Z",),
-    "cameraDepth": ("cameraDepth.Z",),
-    "primId": ("primId.id",),
-    "instanceId": ("instanceId.id",),
-    "elementId": ("elementId.id",),
-    "sampleCount": ("sampleCount.samples",),
-}
-
 # CIE xy of red, green, blue and white, which EXR stores in `chromaticities`.
 _CHROMATICITIES = {
     "lin_rec709": (0.64, 0.33, 0.30, 0.60, 0.15, 0.06, 0.3127, 0.3290),
@@ -89,9 +76,18 @@ def check_output(path: str, aovs: list[str] | tuple[str, ...] = ("color",)) -> N
 
 
 def write_linear(
-    path: str, layers: Mapping[str, np.ndarray], metadata: Mapping[str, Any], rendering_space: str
+    path: str,
+    layers: Mapping[str, np.ndarray],
+    metadata: Mapping[str, Any],
+    rendering_space: str,
+    place: tuple[int, int, int, int] | None = None,
 ) -> None:
-    """An EXR with all layers, or an HDR with the colour. Layers by AOV token: (height, width, components)."""
+    """An EXR with all layers, or an HDR with the colour. Layers by AOV token: (height, width, components).
+
+    `place` of a part in the whole picture: left column, upper row, the picture's width and height.
+    """
+    from .._core import aov_channels
+
     if extension(path) == ".hdr":
         _write(path, np.ascontiguousarray(layers["color"][..., :3], dtype=np.float32), ["R", "G", "B"], {}, "float")
         return
@@ -100,15 +96,14 @@ def write_linear(
     for token, array in layers.items():
         array = np.asarray(array)
         array = array.reshape(array.shape[0], array.shape[1], -1)
-        channels = _CHANNELS.get(token) or tuple(f"{token}.{'XYZW'[i]}" for i in range(array.shape[2]))
-        names += channels
+        names += aov_channels(token)
         arrays.append(array.astype(np.float32, copy=False))
     attributes = dict(metadata)
     attributes["oiio:ColorSpace"] = rendering_space
     chromaticities = _CHROMATICITIES.get(rendering_space.lower())
     if chromaticities:
         attributes["chromaticities"] = chromaticities
-    _write(path, np.concatenate(arrays, axis=2), names, attributes, "float")
+    _write(path, np.concatenate(arrays, axis=2), names, attributes, "float", place)
 
 
 def write_display(path: str, rgba: np.ndarray, metadata: Mapping[str, Any]) -> None:
@@ -128,13 +123,22 @@ def write_display(path: str, rgba: np.ndarray, metadata: Mapping[str, Any]) -> N
     _write(path, quantised, ["R", "G", "B", "A"][:channels], attributes, "uint8" if bits == 8 else "uint16")
 
 
-def _write(path: str, pixels: np.ndarray, names: list[str], attributes: Mapping[str, Any], format_name: str) -> None:
+def _write(
+    path: str,
+    pixels: np.ndarray,
+    names: list[str],
+    attributes: Mapping[str, Any],
+    format_name: str,
+    place: tuple[int, int, int, int] | None = None,
+) -> None:
     import OpenImageIO as oiio
 
     folder, name = os.path.split(os.path.abspath(path))
     beside = os.path.join(folder, f".{name}.{os.getpid()}.part{extension(path)}")
     spec = oiio.ImageSpec(pixels.shape[1], pixels.shape[0], pixels.shape[2], format_name)
     spec.channelnames = tuple(names)
+    if place:
+        spec.x, spec.y, spec.full_width, spec.full_height = place
     if "A" in names:
         spec.alpha_channel = names.index("A")
     if extension(path) == ".exr":

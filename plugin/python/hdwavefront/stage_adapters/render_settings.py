@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 from pxr import Usd, UsdRender
@@ -12,35 +12,21 @@ from pxr import Usd, UsdRender
 from ..errors import Diagnostics, HdWavefrontError
 from . import PURPOSES, WINDOW_POLICIES
 
-# Names of render vars for our AOVs, ours and those that other renderers and USD's documentation use.
-_AOV_NAMES = {
-    "color": "color",
-    "ci": "color",
-    "rgba": "color",
-    "rgb": "color",
-    "beauty": "color",
-    "lpe:c.*[lo]": "color",
-    "depth": "depth",
-    "cameradepth": "cameraDepth",
-    "z": "cameraDepth",
-    "normal": "normal",
-    "n": "normal",
-    "neye": "Neye",
-    "albedo": "albedo",
-    "primid": "primId",
-    "instanceid": "instanceId",
-    "elementid": "elementId",
-    "samplecount": "sampleCount",
-}
 _NAMESPACE = "wavefront:"
-# What a product may say otherwise than its settings.
-_OVERRIDABLE = (
-    "resolution",
-    "pixelAspectRatio",
-    "aspectRatioConformPolicy",
-    "dataWindowNDC",
-    "disableDepthOfField",
-)
+_WHOLE = (0.0, 0.0, 1.0, 1.0)
+_MAX_WINDOW = 100.0  # of the picture's sides: overscan has an end
+
+
+@dataclass(frozen=True, slots=True)
+class Shot:
+    """What is looked at, and how. None or empty: nothing authored."""
+
+    camera: str = ""
+    resolution: tuple[int, int] | None = None
+    pixel_aspect_ratio: float | None = None
+    window_policy: str = ""
+    data_window: tuple[float, float, float, float] = _WHOLE  # left, bottom, right, top, in parts of the picture
+    disable_depth_of_field: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,6 +34,7 @@ class Product:
     path: str
     name: str  # productName as authored
     aovs: tuple[str, ...]
+    shot: Shot = Shot()  # the settings' where the product says nothing of its own
 
 
 @dataclass(slots=True)
@@ -55,14 +42,10 @@ class RenderSettingsPrim:
     """None or empty: nothing authored."""
 
     path: str = ""
-    camera: str = ""
-    resolution: tuple[int, int] | None = None
-    pixel_aspect_ratio: float | None = None
-    window_policy: str = ""
+    shot: Shot = Shot()
     purposes: frozenset[str] | None = None
     material_purpose: str | None = None
     rendering_space: str = ""
-    disable_depth_of_field: bool = False
     products: list[Product] = field(default_factory=list)
     settings: dict[str, Any] = field(default_factory=dict)  # wavefront:<token>
 
@@ -116,14 +99,8 @@ def read_render_settings(
 ) -> RenderSettingsPrim:
     prim = settings.GetPrim()
     read = RenderSettingsPrim(path=str(prim.GetPath()))
-    targets = settings.GetCameraRel().GetForwardedTargets()
-    read.camera = str(targets[0]) if targets else ""
-    resolution = _authored(prim, "resolution", time)
-    if resolution is not None:
-        read.resolution = (int(resolution[0]), int(resolution[1]))
-    _read_frame(prim, read, time, diagnostics)
+    read.shot = _read_shot(settings, Shot(), time, diagnostics)
     read.rendering_space = str(_authored(prim, "renderingColorSpace", time) or "")
-    read.disable_depth_of_field = bool(_authored(prim, "disableDepthOfField", time))
     purposes = _authored(prim, "includedPurposes", time)
     if purposes is not None:
         read.purposes = frozenset(str(p) for p in purposes) & set(PURPOSES) | {"default"}
@@ -132,7 +109,6 @@ def read_render_settings(
     binding_purposes = _authored(prim, "materialBindingPurposes", time)
     if binding_purposes is not None:
         read.material_purpose = next((str(p) for p in binding_purposes if p), "")
-    _report_ignored(prim, time, diagnostics)
     for attribute in prim.GetAuthoredAttributes():
         if attribute.GetName().startswith(_NAMESPACE):
             read.settings[attribute.GetName()[len(_NAMESPACE) :]] = attribute.Get(time)
@@ -147,27 +123,37 @@ def _say_bad_value(prim: Usd.Prim, what: str, diagnostics: Diagnostics) -> None:
     diagnostics.warning("render-settings-bad-value", prim.GetPath(), f"{what}; it is ignored")
 
 
-def _read_frame(prim: Usd.Prim, read: RenderSettingsPrim, time: Usd.TimeCode, diagnostics: Diagnostics) -> None:
-    """How the camera's aperture fits the image. What makes no sense must not stop the render."""
-    aspect = _authored(prim, "pixelAspectRatio", time)
+def _read_shot(prim: UsdRender.SettingsBase, base: Shot, time: Usd.TimeCode, diagnostics: Diagnostics) -> Shot:
+    """`base` with what the prim says itself. What makes no sense must not stop the render."""
+    own: dict[str, Any] = {}
+    cameras = prim.GetCameraRel().GetForwardedTargets()
+    if cameras:
+        own["camera"] = str(cameras[0])
+    resolution = _authored(prim.GetPrim(), "resolution", time)
+    if resolution is not None:
+        own["resolution"] = (int(resolution[0]), int(resolution[1]))
+    aspect = _authored(prim.GetPrim(), "pixelAspectRatio", time)
     if aspect is not None:
         if 1e-6 < aspect < 1e6:
-            read.pixel_aspect_ratio = float(aspect)
+            own["pixel_aspect_ratio"] = float(aspect)
         else:
-            _say_bad_value(prim, f"pixelAspectRatio is {aspect:g}", diagnostics)
-    policy = str(_authored(prim, "aspectRatioConformPolicy", time) or "")
+            _say_bad_value(prim.GetPrim(), f"pixelAspectRatio is {aspect:g}", diagnostics)
+    policy = str(_authored(prim.GetPrim(), "aspectRatioConformPolicy", time) or "")
     if policy and policy not in WINDOW_POLICIES:
-        _say_bad_value(prim, f"aspectRatioConformPolicy is the unknown '{policy}'", diagnostics)
-    else:
-        read.window_policy = policy
-
-
-def _report_ignored(prim: Usd.Prim, time: Usd.TimeCode, diagnostics: Diagnostics) -> None:
-    window = _authored(prim, "dataWindowNDC", time)
-    if window is not None and tuple(window) != (0, 0, 1, 1):
-        diagnostics.warning(
-            "render-data-window", prim.GetPath(), "dataWindowNDC is not supported yet; the whole image is rendered"
-        )
+        _say_bad_value(prim.GetPrim(), f"aspectRatioConformPolicy is the unknown '{policy}'", diagnostics)
+    elif policy:
+        own["window_policy"] = policy
+    window = _authored(prim.GetPrim(), "dataWindowNDC", time)
+    if window is not None:
+        left, bottom, right, top = (float(x) for x in window)
+        if all(abs(x) < _MAX_WINDOW for x in window) and left < right and bottom < top:
+            own["data_window"] = (left, bottom, right, top)
+        else:
+            _say_bad_value(prim.GetPrim(), f"dataWindowNDC is {tuple(window)}", diagnostics)
+    sharp = _authored(prim.GetPrim(), "disableDepthOfField", time)
+    if sharp is not None:
+        own["disable_depth_of_field"] = bool(sharp)
+    return replace(base, **own)
 
 
 def _read_product(
@@ -189,28 +175,23 @@ def _read_product(
     if not name:
         diagnostics.warning("render-product-name", target, "the product has no productName; it is ignored")
         return None
-    for overridden in _OVERRIDABLE:
-        if product.GetPrim().GetAttribute(overridden).HasAuthoredValue():
-            value = product.GetPrim().GetAttribute(overridden).Get(time)
-            if value != settings.GetPrim().GetAttribute(overridden).Get(time):
-                diagnostics.warning(
-                    "render-product-override",
-                    target,
-                    f"a product's own {overridden} is not supported; the settings' counts",
-                )
-    cameras = product.GetCameraRel().GetForwardedTargets()
-    if cameras and str(cameras[0]) != read.camera:
-        if read.camera:
+    shot = _read_shot(product, read.shot, time, diagnostics)
+    if not read.shot.camera:
+        read.shot = replace(read.shot, camera=shot.camera)
+    for attribute in product.GetPrim().GetAuthoredAttributes():
+        if attribute.GetName().startswith(_NAMESPACE):
             diagnostics.warning(
-                "render-product-override", target, "a product's own camera is not supported; the settings' counts"
+                "render-product-setting",
+                target,
+                f"a product's own {attribute.GetName()} is not supported; the RenderSettings prim's counts",
             )
-        else:
-            read.camera = str(cameras[0])
     aovs = _read_vars(product, time, diagnostics)
-    return Product(str(target), name, aovs) if aovs else None
+    return Product(str(target), name, aovs, shot) if aovs else None
 
 
 def _read_vars(product: UsdRender.Product, time: Usd.TimeCode, diagnostics: Diagnostics) -> tuple[str, ...]:
+    from .._core import aov_of_render_var
+
     aovs: list[str] = []
     stage = product.GetPrim().GetStage()
     for target in product.GetOrderedVarsRel().GetForwardedTargets():
@@ -221,11 +202,8 @@ def _read_vars(product: UsdRender.Product, time: Usd.TimeCode, diagnostics: Diag
             )
             continue
         name = str(var.GetSourceNameAttr().Get(time) or target.name)
-        if str(var.GetSourceTypeAttr().Get(time) or "raw") == "primvar":
-            name = f"primvars:{name.removeprefix('primvars:')}"
-        is_primvar = name.removeprefix("primvars:") not in ("", name)
-        aov = name if is_primvar else _AOV_NAMES.get(name.lower().replace(" ", ""))
-        if aov is None:
+        aov = aov_of_render_var(name, str(var.GetSourceTypeAttr().Get(time) or "raw"))
+        if not aov:
             diagnostics.warning(
                 "render-var-unsupported",
                 target,
