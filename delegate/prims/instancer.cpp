@@ -6,6 +6,7 @@
 #include <atomic>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <set>
 #include <unordered_set>
 
@@ -229,6 +230,27 @@ std::optional<PrimvarData> Flatten(const InstancerState& s, const PrimvarInput& 
   return data;
 }
 
+// What the instanceId AOV calls the selected instances of one level: indices in the instancer, or places in the host's
+// list of the prototype's instances.
+struct Names {
+  std::vector<int32_t> of;
+  size_t length = 0;  // of what is counted in
+};
+Names NamesOf(const InstancerState& s, int32_t prototype, size_t count, const std::vector<int32_t>& selected) {
+  if (s.prototypeInstances.empty()) return {selected, count};
+  const std::vector<int32_t>& told = s.prototypeInstances.at(prototype);
+  Names names{{}, told.size()};
+  if (told == selected) {  // in order, as hosts have it
+    names.of.resize(told.size());
+    std::iota(names.of.begin(), names.of.end(), 0);
+    return names;
+  }
+  std::map<int32_t, int32_t> places;
+  for (size_t i = 0; i < told.size(); ++i) places.try_emplace(told[i], static_cast<int32_t>(i));
+  for (const int32_t index : selected) names.of.push_back(places.at(index));
+  return names;
+}
+
 // Leaves out the instances whose matrix is not finite at some time.
 void DropBroken(FlatInstances& flat, const std::string& path, const wavefront::DiagnosticSink& sink) {
   const size_t count = flat.indices.size();
@@ -302,6 +324,9 @@ FlatInstances ComposeInstances(const std::vector<const InstancerState*>& chain, 
     strides[level] = stride;
     stride *= selected[level].size();
   }
+  std::vector<Names> names;
+  for (size_t level = 0; level < levels; ++level)
+    names.push_back(NamesOf(*chain[level], prototypes[level], counts[level], selected[level]));
   const auto indexIn = [&](size_t level, size_t k) {
     return static_cast<size_t>(selected[level][k / strides[level] % selected[level].size()]);
   };
@@ -309,8 +334,8 @@ FlatInstances ComposeInstances(const std::vector<const InstancerState*>& chain, 
   for (size_t k = 0; k < count; ++k) {
     int64_t index = 0, place = 1;
     for (size_t level = 0; level < levels; ++level) {
-      index += place * static_cast<int64_t>(indexIn(level, k));
-      place *= static_cast<int64_t>(counts[level]);
+      index += place * names[level].of[k / strides[level] % selected[level].size()];
+      place *= static_cast<int64_t>(names[level].length);
     }
     flat.indices[k] = static_cast<int32_t>(index & 0x7fffffff);
   }

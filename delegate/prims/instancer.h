@@ -51,9 +51,9 @@ struct InstancerState {
   int32_t parentPrototype = 0;
 };
 
-// The instances of one prototype, flattened over the chain of instancers. Outer instances vary slowest; an instance
-// keeps its place whatever else is invisible. `indices` holds, per instance, the index in the innermost instancer plus
-// its length times the index in the next outer one, and so on (the instanceId AOV).
+// The instances of one prototype, flattened over the chain of instancers, outer ones slowest; each keeps its place
+// whatever else is invisible. `indices` (the instanceId AOV): the index in the innermost instancer, or the place in
+// prototypeInstances' list where that is told, plus its length times that of the next outer one, and so on.
 struct FlatInstances {
   TimeSamples<std::vector<wavefront::Matrix4d>> transforms;  // prototype root to world
   std::vector<int32_t> indices;

@@ -11,6 +11,7 @@
 #include <pxr/imaging/pxOsd/meshTopology.h>
 #include <pxr/imaging/pxOsd/tokens.h>
 
+#include <algorithm>
 #include <utility>
 #include <vector>
 
@@ -125,9 +126,10 @@ std::optional<ImplicitInput> RecognizeImplicit(ImplicitShape shape, const VtValu
                                                const std::function<VtValue(const TfToken&)>& attribute) {
   if (!points.IsHolding<VtVec3fArray>()) return std::nullopt;
   const auto has = [&](const std::vector<const char*>& names) {
-    for (const char* name : names)
-      if (attribute(TfToken(name)).IsEmpty()) return false;
-    return true;
+    return std::ranges::all_of(names, [&](const std::string& name) {
+      const VtValue value = attribute(TfToken(name));
+      return name == "axis" ? !ToString(value).empty() : ToNumber(value).has_value();  // not an array: no primvar
+    });
   };
   bool known = false;
   for (const auto& names : AttributesOf(shape)) known = known || has(names);

@@ -46,6 +46,14 @@ struct ScenePrim {
   delegate::CameraUpdate camera;
   delegate::MaterialUpdate material;
 
+  // The instancer that draws it and its prototype there; an empty path: none.
+  std::pair<std::string, int32_t> drawnBy() const {
+    if (kind == PrimKind::Instancer) return {instancer.parent.value_or(""), instancer.parentPrototype.value_or(0)};
+    if (kind == PrimKind::Light) return {light.instancer.value_or(""), light.prototype.value_or(0)};
+    if (kind == PrimKind::Mesh) return {mesh.instancer.value_or(""), mesh.prototype.value_or(0)};
+    if (kind == PrimKind::Implicit) return {implicit.instancer.value_or(""), implicit.prototype.value_or(0)};
+    return {};
+  }
   delegate::GprimUpdate& gprim() { return kind == PrimKind::Mesh ? static_cast<delegate::GprimUpdate&>(mesh) : implicit; }
 };
 

@@ -84,9 +84,26 @@ TEST(ComposeInstances, DrawsWhatIsToldByPrototype) {
   s.prototypeInstances = {{0, {4, 1}}, {1, {1, 2, 3}}};
   s.protoIndices = {7, 7, 7, 7, 7};  // does not count
   s.invisibleIds = {1};              // neither
-  EXPECT_THAT(delegate::ComposeInstances({&s}, {0}, 1, kQuiet).indices, testing::ElementsAre(1, 4));
-  EXPECT_THAT(delegate::ComposeInstances({&s}, {1}, 1, kQuiet).indices, testing::ElementsAre(1, 2, 3));
+  const auto places = [&](int32_t prototype) {
+    std::vector<double> xs;
+    for (const wavefront::Matrix4d& m : delegate::ComposeInstances({&s}, {prototype}, 1, kQuiet).transforms[0].value)
+      xs.push_back(m.m[3][0]);
+    return xs;
+  };
+  EXPECT_THAT(places(0), testing::ElementsAre(1, 4));
+  EXPECT_THAT(places(1), testing::ElementsAre(1, 2, 3));
   EXPECT_THAT(delegate::ComposeInstances({&s}, {2}, 1, kQuiet).indices, testing::IsEmpty());
+}
+
+TEST(ComposeInstances, IdsCountInTheHostsListOfThePrototypesInstances) {
+  InstancerState inner = Row(5), outer = Row(3);
+  inner.prototypeInstances = {{0, {4, 1}}, {1, {1, 2, 3}}};
+  EXPECT_THAT(delegate::ComposeInstances({&inner}, {0}, 1, kQuiet).indices, testing::ElementsAre(1, 0));
+  EXPECT_THAT(delegate::ComposeInstances({&inner}, {1}, 1, kQuiet).indices, testing::ElementsAre(0, 1, 2));
+  // Nested: the inner place, plus the inner list's length times the outer place.
+  outer.prototypeInstances = {{0, {0, 2}}};
+  EXPECT_THAT(delegate::ComposeInstances({&inner, &outer}, {1, 0}, 1, kQuiet).indices,
+              testing::ElementsAre(0, 1, 2, 3, 4, 5));
 }
 
 TEST(ComposeInstances, LeavesOutInstancesThatDoNotExistAndSaysSo) {
@@ -95,7 +112,7 @@ TEST(ComposeInstances, LeavesOutInstancesThatDoNotExistAndSaysSo) {
   std::vector<std::string> codes;
   const auto flat = delegate::ComposeInstances(
       {&s}, {0}, 1, [&](const wavefront::Diagnostic& d) { codes.push_back(d.code); });
-  EXPECT_THAT(flat.indices, testing::ElementsAre(0, 1));
+  EXPECT_THAT(flat.indices, testing::ElementsAre(1, 2));
   EXPECT_THAT(codes, testing::ElementsAre("instancer-bad-index"));
 }
 

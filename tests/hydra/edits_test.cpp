@@ -84,8 +84,19 @@ struct Host {
     return film.ok() ? std::move(film).value() : wavefront::RawFilm{};
   }
 
-  // The scene as Hd shows it: AOVs in the order in which the pass asks, ids as the index gives them out.
-  delegate_test::Scene AsSeen(delegate_test::Scene wanted) const {
+  // The scene as Hd shows it: AOVs in the order in which the pass asks, ids as the index gives them out, instances by
+  // prototype.
+  delegate_test::Scene AsSeen(delegate_test::Scene wanted) {
+    std::map<std::string, std::map<int32_t, std::vector<int32_t>>> drawn;
+    for (const auto& [path, prim] : wanted.prims) {
+      const auto [instancer, prototype] = prim.drawnBy();
+      if (instancer.empty()) continue;
+      const VtIntArray indices = scene.GetInstanceIndices(SdfPath(instancer), SdfPath(path));
+      drawn[instancer][prototype].assign(indices.cbegin(), indices.cend());
+    }
+    for (auto& [path, prototypes] : drawn)
+      if (const auto found = wanted.prims.find(path); found != wanted.prims.end())
+        found->second.instancer.prototypeInstances = std::move(prototypes);
     std::sort(wanted.aovs.begin(), wanted.aovs.end());
     wanted.aovs.erase(std::unique(wanted.aovs.begin(), wanted.aovs.end()), wanted.aovs.end());
     for (auto& [path, prim] : wanted.prims)
@@ -94,14 +105,14 @@ struct Host {
   }
 };
 
-TEST(EditsThroughHd, RandomEditsEqualFreshScenes) {
-  constexpr int kEdits = 200;
-  delegate_test::EditScript script(11);
+void CompareEveryState(uint32_t seed, int edits, bool implicitsAsMeshes) {
+  delegate_test::EditScript script(seed);
   Host host;
+  host.scene.implicitsAsMeshes = implicitsAsMeshes;
   script.Populate(host.sink);
   host.Execute(script.scene());
   ASSERT_EQ(delegate_test::Difference(host.Finish(), delegate_test::RenderFresh(host.AsSeen(script.scene()))), "");
-  for (int i = 1; i <= kEdits; ++i) {
+  for (int i = 1; i <= edits; ++i) {
     const std::string edit = script.Step(host.sink);
     host.Execute(script.scene());
     switch (script.control()) {
@@ -122,6 +133,11 @@ TEST(EditsThroughHd, RandomEditsEqualFreshScenes) {
         << "after edit " << i << ": " << edit;
   }
 }
+
+TEST(EditsThroughHd, RandomEditsEqualFreshScenes) { CompareEveryState(11, 200, false); }
+
+// Scene-index mode off: meshes of shapes are drawn as shapes, whatever happens to them.
+TEST(EditsThroughHd, MeshesOfShapesEqualTheShapes) { CompareEveryState(12, 50, true); }
 
 TEST(EditsThroughHd, ExecutingAgainDoesNothing) {
   delegate_test::EditScript script(4);

@@ -1,12 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the hdWavefront authors
-// Which meshes count as implicit shapes. Meshes and points are made here as UsdImaging's adapters make them.
+// Which meshes count as implicit shapes.
 #include <gtest/gtest.h>
-#include <pxr/base/gf/matrix4d.h>
-#include <pxr/imaging/geomUtil/capsuleMeshGenerator.h>
-#include <pxr/imaging/geomUtil/coneMeshGenerator.h>
-#include <pxr/imaging/geomUtil/cuboidMeshGenerator.h>
-#include <pxr/imaging/geomUtil/cylinderMeshGenerator.h>
 #include <pxr/imaging/geomUtil/sphereMeshGenerator.h>
 #include <pxr/imaging/pxOsd/tokens.h>
 
@@ -14,6 +9,7 @@
 #include <map>
 
 #include "plugin/hydra/implicit_mesh.h"
+#include "tests/hydra/host_mesh.h"
 
 namespace hydra {
 namespace {
@@ -27,6 +23,10 @@ struct HostMesh {
   VtVec3fArray points;
   std::map<std::string, VtValue> attributes;
 
+  explicit HostMesh(const ImplicitInput& input)
+      : shape(input.shape),
+        topology(hydra_test::HostTopology(input.shape)),
+        points(hydra_test::HostPoints(input)) {}
   std::optional<ImplicitInput> Recognized() const {
     const auto is = ShapeOfTopology(topology);
     if (!is) return std::nullopt;
@@ -38,44 +38,32 @@ struct HostMesh {
   }
 };
 
-GfMatrix4d Spine(const std::string& axis) {
-  GfMatrix4d m(1);
-  const int spine = axis[0] - 'X';
-  for (int row = 0; row < 3; ++row)
-    m.SetRow3(row, GfVec3d::Axis((spine + 1 + row) % 3));  // u, v, spine
-  return m;
-}
-
 HostMesh Sphere(double radius) {
-  HostMesh mesh{ImplicitShape::Sphere, HdMeshTopology(GeomUtilSphereMeshGenerator::GenerateTopology(10, 10)), {}, {}};
-  mesh.points.resize(GeomUtilSphereMeshGenerator::ComputeNumPoints(10, 10));
-  GeomUtilSphereMeshGenerator::GeneratePoints(mesh.points.begin(), 10, 10, radius);
+  ImplicitInput input;
+  input.radius = radius;
+  HostMesh mesh(input);
   mesh.attributes["radius"] = VtValue(radius);
   return mesh;
 }
 
 HostMesh Cube(double size) {
-  HostMesh mesh{ImplicitShape::Cube, HdMeshTopology(GeomUtilCuboidMeshGenerator::GenerateTopology()), {}, {}};
-  mesh.points.resize(GeomUtilCuboidMeshGenerator::ComputeNumPoints());
-  GeomUtilCuboidMeshGenerator::GeneratePoints(mesh.points.begin(), size, size, size);
+  ImplicitInput input;
+  input.shape = ImplicitShape::Cube;
+  input.size = size;
+  HostMesh mesh(input);
   mesh.attributes["size"] = VtValue(size);
   return mesh;
 }
 
-HostMesh Cone(double radius, double height, const std::string& axis) {
-  HostMesh mesh{ImplicitShape::Cone, HdMeshTopology(GeomUtilConeMeshGenerator::GenerateTopology(10)), {}, {}};
-  mesh.points.resize(GeomUtilConeMeshGenerator::ComputeNumPoints(10));
-  const GfMatrix4d basis = Spine(axis);
-  GeomUtilConeMeshGenerator::GeneratePoints(mesh.points.begin(), 10, radius, height, &basis);
-  mesh.attributes = {{"radius", VtValue(radius)}, {"height", VtValue(height)}, {"axis", VtValue(TfToken(axis))}};
-  return mesh;
-}
-
-HostMesh Cylinder(double bottom, double top, double height, const std::string& axis) {
-  HostMesh mesh{ImplicitShape::Cylinder, HdMeshTopology(GeomUtilCylinderMeshGenerator::GenerateTopology(10)), {}, {}};
-  mesh.points.resize(GeomUtilCylinderMeshGenerator::ComputeNumPoints(10));
-  const GfMatrix4d basis = Spine(axis);
-  GeomUtilCylinderMeshGenerator::GeneratePoints(mesh.points.begin(), 10, bottom, top, height, &basis);
+HostMesh Round(ImplicitShape shape, double bottom, double top, double height, const std::string& axis) {
+  ImplicitInput input;
+  input.shape = shape;
+  input.height = height;
+  input.axis = axis;
+  input.radius = bottom;
+  input.radiusBottom = bottom;
+  input.radiusTop = top;
+  HostMesh mesh(input);
   mesh.attributes = {{"height", VtValue(height)}, {"axis", VtValue(TfToken(axis))}};
   if (bottom == top) {
     mesh.attributes["radius"] = VtValue(bottom);
@@ -86,25 +74,23 @@ HostMesh Cylinder(double bottom, double top, double height, const std::string& a
   return mesh;
 }
 
+HostMesh Cone(double radius, double height, const std::string& axis) {
+  return Round(ImplicitShape::Cone, radius, radius, height, axis);
+}
+HostMesh Cylinder(double bottom, double top, double height, const std::string& axis) {
+  return Round(ImplicitShape::Cylinder, bottom, top, height, axis);
+}
 HostMesh Capsule(double bottom, double top, double height, const std::string& axis) {
-  HostMesh mesh = Cylinder(bottom, top, height, axis);
-  mesh.shape = ImplicitShape::Capsule;
-  mesh.topology = HdMeshTopology(GeomUtilCapsuleMeshGenerator::GenerateTopology(10, 4));
-  mesh.points.resize(GeomUtilCapsuleMeshGenerator::ComputeNumPoints(10, 4));
-  const GfMatrix4d basis = Spine(axis);
-  GeomUtilCapsuleMeshGenerator::GeneratePoints(mesh.points.begin(), 10, 4, bottom, top, height, &basis);
-  return mesh;
+  return Round(ImplicitShape::Capsule, bottom, top, height, axis);
 }
 
 HostMesh Plane(float width, float length, const std::string& axis) {
-  HostMesh mesh{ImplicitShape::Plane,
-                HdMeshTopology(PxOsdMeshTopology(PxOsdOpenSubdivTokens->bilinear, PxOsdOpenSubdivTokens->rightHanded,
-                                                 {4}, {0, 1, 2, 3})),
-                {}, {}};
-  const float w = 0.5f * width, l = 0.5f * length;
-  if (axis == "X") mesh.points = {GfVec3f(0, l, w), GfVec3f(0, -l, w), GfVec3f(0, -l, -w), GfVec3f(0, l, -w)};
-  else if (axis == "Y") mesh.points = {GfVec3f(-w, 0, l), GfVec3f(w, 0, l), GfVec3f(w, 0, -l), GfVec3f(-w, 0, -l)};
-  else mesh.points = {GfVec3f(w, l, 0), GfVec3f(-w, l, 0), GfVec3f(-w, -l, 0), GfVec3f(w, -l, 0)};
+  ImplicitInput input;
+  input.shape = ImplicitShape::Plane;
+  input.width = width;
+  input.length = length;
+  input.axis = axis;
+  HostMesh mesh(input);
   mesh.attributes = {{"width", VtValue(static_cast<double>(width))}, {"length", VtValue(static_cast<double>(length))},
                      {"axis", VtValue(TfToken(axis))}};
   return mesh;
@@ -183,6 +169,10 @@ TEST(ImplicitMesh, AMeshWithoutTheShapesAttributesStaysAMesh) {
       lacking.attributes.erase(name);
       EXPECT_FALSE(lacking.Recognized()) << name;
     }
+  // A primvar of that name is none of the shape's.
+  HostMesh primvar = Sphere(1);
+  primvar.attributes["radius"] = VtValue(VtFloatArray{1});
+  EXPECT_FALSE(primvar.Recognized());
   // A Mesh of the default size has the points, and no attribute at all.
   for (HostMesh mesh : {Sphere(1), Cube(2), Cone(1, 2, "Z"), Plane(2, 2, "Z")}) {
     mesh.attributes.clear();

@@ -19,6 +19,7 @@
 
 #include "plugin/hydra/convert_primvars.h"
 #include "plugin/hydra/convert_value.h"
+#include "tests/hydra/host_mesh.h"
 
 namespace hydra_test {
 
@@ -126,6 +127,8 @@ const std::vector<delegate::PrimvarInput>& SceneDelegate::Primvars(const SdfPath
 
 HdMeshTopology SceneDelegate::GetMeshTopology(const SdfPath& id) {
   const ScenePrim* prim = Find(id);
+  if (prim && prim->kind == PrimKind::Implicit && prim->implicit.shape)
+    return HostTopology(prim->implicit.shape->shape);
   if (!prim || !prim->mesh.topology) return {};
   const delegate::MeshTopology& t = *prim->mesh.topology;
   HdMeshTopology topology(TfToken(t.scheme), TfToken(t.orientation), Ints(t.faceVertexCounts),
@@ -187,6 +190,7 @@ VtValue SceneDelegate::Get(const SdfPath& id, const TfToken& key) {
     if (primvar.name == key.GetString()) return PrimvarValue(primvar);
   if (prim->kind != PrimKind::Implicit || !prim->implicit.shape) return {};
   const delegate::ImplicitInput& s = *prim->implicit.shape;
+  if (key == HdTokens->points) return VtValue(HostPoints(s));
   const std::map<std::string, double> sizes{{"size", s.size},     {"radius", s.radius}, {"height", s.height},
                                             {"width", s.width},   {"length", s.length}, {"radiusTop", s.radiusTop},
                                             {"radiusBottom", s.radiusBottom}};
@@ -340,8 +344,10 @@ void HdSink::Insert(const std::string& path, const ScenePrim& prim) {
   scene_.prims[path] = prim;
   const SdfPath id(path);
   switch (prim.kind) {
-    case PrimKind::Mesh:
-    case PrimKind::Implicit: index_.InsertRprim(TfToken(prim.type), &scene_, id); break;
+    case PrimKind::Mesh: index_.InsertRprim(TfToken(prim.type), &scene_, id); break;
+    case PrimKind::Implicit:
+      index_.InsertRprim(scene_.implicitsAsMeshes ? HdPrimTypeTokens->mesh : TfToken(prim.type), &scene_, id);
+      break;
     case PrimKind::Instancer: index_.InsertInstancer(&scene_, id); break;
     default: index_.InsertSprim(TfToken(prim.type), &scene_, id); break;
   }
@@ -377,7 +383,8 @@ void HdSink::Change(const std::string& path, const ScenePrim& prim, uint32_t par
       map(kPartMaterial, HdChangeTracker::DirtyMaterialId | HdChangeTracker::DirtyTopology);
       map(kPartPoints, HdChangeTracker::DirtyPoints);
       map(kPartTopology, HdChangeTracker::DirtyTopology | HdChangeTracker::DirtySubdivTags);
-      map(kPartPrimvars | kPartShape, HdChangeTracker::DirtyPrimvar);
+      map(kPartPrimvars, HdChangeTracker::DirtyPrimvar);
+      map(kPartShape, scene_.implicitsAsMeshes ? HdChangeTracker::DirtyPoints : HdChangeTracker::DirtyPrimvar);
       map(kPartRenderTag, HdChangeTracker::DirtyRenderTag);
       map(kPartSides, HdChangeTracker::DirtyDoubleSided);
       map(kPartRefine, HdChangeTracker::DirtyDisplayStyle);

@@ -21,6 +21,7 @@ class SceneDelegate final : public HdSceneDelegate {
  public:
   explicit SceneDelegate(HdRenderIndex* index) : HdSceneDelegate(index, SdfPath::AbsoluteRootPath()) {}
   std::map<std::string, delegate_test::ScenePrim> prims;
+  bool implicitsAsMeshes = false;  // as UsdImaging hands them over with scene-index mode off
 
   HdMeshTopology GetMeshTopology(const SdfPath& id) override;
   PxOsdSubdivTags GetSubdivTags(const SdfPath& id) override;

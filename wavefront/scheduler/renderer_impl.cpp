@@ -8,7 +8,6 @@
 #include <cstring>
 
 #include "wavefront/base/parallel.h"
-#include "wavefront/scheduler/color_kernel.h"
 #include "wavefront/shared/counters_layout.h"
 
 namespace wavefront {
@@ -431,7 +430,7 @@ Result<RawFilm> RendererImpl::ReadFilm() {
 
 Status RendererImpl::RunColorKernel(std::span<const uint32_t> spirv, const std::vector<ColorLut>& luts, std::span<float> rgba, uint32_t width, uint32_t height) {
   std::lock_guard turn(deviceMutex_);
-  return RunColor(*device_, spirv, luts, rgba, width, height);
+  return colorKernel_.Run(*device_, spirv, luts, rgba, width, height);
 }
 
 std::vector<DeviceDescription> ListDevices() {

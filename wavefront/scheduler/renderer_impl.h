@@ -12,6 +12,7 @@
 #include "wavefront/base/fair_mutex.h"
 #include "wavefront/renderer.h"
 #include "wavefront/scene/scene_commit.h"
+#include "wavefront/scheduler/color_kernel.h"
 #include "wavefront/scheduler/displacer.h"
 #include "wavefront/scheduler/path_tracer.h"
 
@@ -75,6 +76,7 @@ class RendererImpl final : public Renderer {
   std::unique_ptr<SceneStore> scene_;
   std::unique_ptr<PathTracer> tracer_;
   std::unique_ptr<Displacer> displacer_;
+  ColorKernel colorKernel_;         // the device mutex guards it
 
   std::mutex stagingMutex_;
   RenderSettings stagedSettings_;

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the hdWavefront authors
+// The meshes that UsdImaging's adapters make of implicit shapes with scene-index mode off.
+#pragma once
+
+#include <pxr/base/gf/vec3f.h>
+#include <pxr/base/vt/array.h>
+#include <pxr/imaging/hd/meshTopology.h>
+
+#include "delegate/mesh/implicit.h"
+#include "plugin/hydra/hd_compat.h"
+
+namespace hydra_test {
+
+PXR_NAMESPACE_USING_DIRECTIVE
+
+HdMeshTopology HostTopology(delegate::ImplicitShape shape);
+VtVec3fArray HostPoints(const delegate::ImplicitInput& shape);
+
+}  // namespace hydra_test
