@@ -85,9 +85,9 @@ TEST(ComposeInstances, DrawsWhatIsToldByPrototype) {
   s.protoIndices = {7, 7, 7, 7, 7};  // does not count
   s.invisibleIds = {1};              // neither
   const auto places = [&](int32_t prototype) {
+    const auto flat = delegate::ComposeInstances({&s}, {prototype}, 1, kQuiet);
     std::vector<double> xs;
-    for (const wavefront::Matrix4d& m : delegate::ComposeInstances({&s}, {prototype}, 1, kQuiet).transforms[0].value)
-      xs.push_back(m.m[3][0]);
+    for (const wavefront::Matrix4d& m : flat.transforms[0].value) xs.push_back(m.m[3][0]);
     return xs;
   };
   EXPECT_THAT(places(0), testing::ElementsAre(1, 4));
