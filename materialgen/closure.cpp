@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
+#include <set>
 #include <string>
 
 namespace materialgen {
@@ -69,7 +70,7 @@ class Lineariser {
       const Bsdf& node = nodes_[id];
       throughput_[id] = Throughput(node);
       if (node.kind == Bsdf::Kind::Lobe) {
-        if (node.lobe->transmits && node.interfaceIor != kNone) interfaces_[id].push_back(node.interfaceIor);
+        if (node.lobe->transmits && node.interface != kNone) interfaces_[id].push_back(node.interface);
         continue;
       }
       for (BsdfId child : {node.first, node.second}) {
@@ -82,6 +83,34 @@ class Lineariser {
         }
       }
     }
+  }
+
+  // Whether all of `top` reflects from one of the interfaces that refract below it. They are the same expression, or one is
+  // computed from the other (glTF: reflection by a colour, refraction by the index it comes from).
+  bool IsInterfaceOf(BsdfId top, const std::vector<Id>& below) {
+    if (top == kNone || below.empty()) return false;
+    const Bsdf& node = nodes_[top];
+    if (node.kind == Bsdf::Kind::Mix) {
+      return (node.first == kNone || IsInterfaceOf(node.first, below)) &&
+             (node.second == kNone || IsInterfaceOf(node.second, below));
+    }
+    if (node.kind == Bsdf::Kind::Scale) return IsInterfaceOf(node.first, below);
+    if (node.kind != Bsdf::Kind::Lobe || node.lobe->transmits || node.interface == kNone) return false;
+    return std::any_of(below.begin(), below.end(), [&](Id id) { return DependsOn(node.interface, id); });
+  }
+
+  // Ids grow from arguments to results, so a walk need not go below what it looks for.
+  bool DependsOn(Id expression, Id argument) {
+    std::vector<Id> open = {expression};
+    std::set<Id> seen;
+    while (!open.empty()) {
+      const Id id = open.back();
+      open.pop_back();
+      if (id == argument) return true;
+      if (id < argument || !seen.insert(id).second) continue;
+      open.insert(open.end(), e_[id].arguments.begin(), e_[id].arguments.end());
+    }
+    return false;
   }
 
   Id ThroughputOf(BsdfId id) { return id == kNone ? e_.Number(1) : throughput_[id]; }
@@ -132,9 +161,7 @@ class Lineariser {
         if (node.second == kNone) return;
         const Id through = ThroughputOf(node.first);
         const Bsdf* top = node.first == kNone ? nullptr : &nodes_[node.first];
-        const std::vector<Id>& below = interfaces_[node.second];
-        const bool sameInterface = top && top->kind == Bsdf::Kind::Lobe && top->interfaceIor != kNone &&
-                                   std::find(below.begin(), below.end(), top->interfaceIor) != below.end();
+        const bool sameInterface = top && IsInterfaceOf(node.first, interfaces_[node.second]);
         Id passed = sameInterface ? e_.Number(1) : through;
         if (sameInterface && top->withoutFilm != kNone) {
           // The lobe below knows the interface without the film, which reflects more or less.

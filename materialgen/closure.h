@@ -34,7 +34,8 @@ struct Bsdf {
   Id expression = kNone;    // Lobe: the "lobe" expression
   Id weight = kNone;        // Lobe: scalar weight, which also scales what it takes from below
   Id tint = kNone;          // Lobe: colour of the response only (MaterialX: takes nothing from below)
-  Id interfaceIor = kNone;  // Lobe of a dielectric: the index, to know R and T lobes of the same interface
+  // Lobe of an interface: its index, or colour at normal incidence, to know R and T lobes of the same interface.
+  Id interface = kNone;
   Id withoutFilm = kNone;   // Reflecting lobe of a dielectric under a thin film: the same without film
   // What is not rendered yet; said once if the lobe survives pruning.
   bool isSubsurface = false;

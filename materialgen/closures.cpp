@@ -143,7 +143,7 @@ bool NodeEvaluator::EvaluateMicrofacetBsdf(Port* result) {
     arguments = {In("ior"), In("extinction")};
   } else if (isDielectric) {
     ior = In("ior");
-    lobe.interfaceIor = ior;
+    lobe.interface = ior;
     lobe.tint = In("tint");
     reflecting = "dielectric_reflection";
     kind = scatter == "T" ? "dielectric_transmission" : scatter == "RT" ? "dielectric" : reflecting;
@@ -153,15 +153,19 @@ bool NodeEvaluator::EvaluateMicrofacetBsdf(Port* result) {
   } else {
     reflecting = "generalized_schlick";
     kind = scatter == "T" ? "generalized_schlick_transmission" : scatter == "RT" ? "generalized_schlick_rt" : reflecting;
+    lobe.interface = In("color0");
     arguments = {In("color0"), In("color82"), In("color90"), In("exponent")};
   }
   arguments.push_back(roughness);
   if (scatter != "R" && b_.facts_.isThinWalled) {
     arguments.insert(arguments.end(), {retro, film});
+    if (reflecting == "generalized_schlick") arguments.push_back(e_.Boolean(false));
     return AddThinTransmission(result, reflecting, std::move(arguments), lobe, ior);
   }
   if (scatter != "T") arguments.push_back(retro);
   arguments.push_back(film);
+  // Reflection inside of a body knows total reflection.
+  if (scatter == "R" && reflecting == "generalized_schlick") arguments.push_back(e_.Boolean(b_.facts_.transmits));
   if (!AddLobe(result, isConductor ? reflecting : kind, arguments, lobe, true)) return false;
   if (hasFilm && isDielectric && scatter == "R") {
     std::vector<Id> plain = e_[b_.bsdfs_[result->id].expression].arguments;
@@ -174,7 +178,6 @@ bool NodeEvaluator::EvaluateMicrofacetBsdf(Port* result) {
 // Modes T and RT of a thin-walled surface. The reflecting lobe is made in any case: what it leaves is what passes.
 bool NodeEvaluator::AddThinTransmission(Port* result, std::string_view reflecting, std::vector<Id> arguments, Bsdf lobe,
                                         Id ior) {
-  if (lobe.interfaceIor == kNone) lobe.interfaceIor = ior;
   if (!AddLobe(result, reflecting, std::move(arguments), lobe, true)) return false;
   const BsdfId top = result->id;
   const Id expression = b_.bsdfs_[top].expression;

@@ -54,6 +54,7 @@ class Expressions {
 
   Id Literal(Type type, const Constant& value);
   Id Number(float value) { return Literal(Type::Float, {value}); }
+  Id Boolean(bool value) { return Literal(Type::Bool, {value ? 1.0f : 0.0f}); }
   Id Color(float r, float g, float b) { return Literal(Type::Vec3, {r, g, b}); }
   Id Text(const std::string& text);   // a string
   Id Asset(const AssetValue& asset);  // a file name, held aside: see AssetOf

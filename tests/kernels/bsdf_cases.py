@@ -38,13 +38,14 @@ def _dielectric() -> dict[str, list[float]]:
     }
 
 
-def _schlick() -> dict[str, list[float]]:
+def _schlick(reflects: bool = False) -> dict[str, list[float]]:
     # color0, exponent | color82, - | color90, - | alpha
     def row(c0, c82, c90, exponent, alpha, retroreflective=0.0, film=(0.0, 1.5)):
         return [*c0, exponent, *c82, retroreflective, *c90, 0.0, *alpha, *film]
 
     glass = [0.04, 0.04, 0.04]
-    return {
+    body = {"body": [*glass, 5.0, *WHITE, 0.0, *WHITE, 1.0, *SATIN, 0.0, 1.5]} if reflects else {}
+    return body | {
         "smooth": row(glass, WHITE, WHITE, 5.0, SMOOTH),
         "sharp": row(glass, WHITE, WHITE, 5.0, SHARP),
         "satin": row(glass, WHITE, WHITE, 5.0, SATIN),
@@ -101,7 +102,7 @@ _CASES: dict[str, tuple[str, dict[str, list[float]]]] = {
     "dielectricTransmission": ("a.rgb, a.w, b.xy, c.xy", _dielectric()),
     "dielectric": ("a.rgb, a.w, b.xy, b.z != 0.0, c.xy", _dielectric()),
     "conductor": ("a.rgb, b.rgb, c.xy, a.w != 0.0, d.xy", _conductor()),
-    "generalizedSchlick": ("a.rgb, b.rgb, c.rgb, a.w, d.xy, b.w != 0.0, d.zw", _schlick()),
+    "generalizedSchlick": ("a.rgb, b.rgb, c.rgb, a.w, d.xy, b.w != 0.0, d.zw, c.w != 0.0", _schlick(True)),
     "generalizedSchlickTransmission": ("a.rgb, b.rgb, c.rgb, a.w, d.xy, d.zw", _schlick()),
     "generalizedSchlickRt": ("a.rgb, b.rgb, c.rgb, a.w, d.xy, b.w != 0.0, d.zw", _schlick()),
     "thinTransmission": (
@@ -160,8 +161,8 @@ def albedo_tolerance(lobe: Lobe, name: str) -> float:
         return 0.06 if lobe.transmissive else 0.045  # two cosines of a curve that oscillates
     if lobe.transmissive and name == "brushed":
         return 0.1  # only steers the choice of a lobe
-    if name in ("brushed", "bubble"):
-        return 0.025  # bubble: a critical angle
+    if name in ("brushed", "bubble", "body"):
+        return 0.025  # bubble, body: a critical angle
     # Two cosines do not catch a Fresnel curve with a dip, and T follows a dielectric's curve.
     return 0.035 if name in ("dark edge", "gold") else 0.012
 

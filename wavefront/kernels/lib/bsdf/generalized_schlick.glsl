@@ -2,13 +2,11 @@
 // Copyright the hdWavefront authors
 //
 // MaterialX's generalized_schlick_bsdf, scatter_mode R: GGX reflection with a generalised Schlick Fresnel term,
-// energy compensated as dielectric_reflection is. What it lets through is the mean over channels, as in MaterialX.
+// energy compensated as dielectric_reflection is. `isBody`: the surface also refracts; seen from the inside (wo.z < 0) the
+// interface is that of generalized_schlick_rt, total reflection and all. What it lets through is the mean over channels, as in MaterialX.
 #ifndef WAVEFRONT_BSDF_GENERALIZED_SCHLICK_GLSL
 #define WAVEFRONT_BSDF_GENERALIZED_SCHLICK_GLSL
-#include "fresnel.glsl"
-#include "ggx_albedo.glsl"
-#include "microfacet.glsl"
-#include "thin_film.glsl"
+#include "schlick_interface.glsl"
 
 struct GeneralizedSchlickLobe {
     SchlickFresnel fresnel;
@@ -17,10 +15,11 @@ struct GeneralizedSchlickLobe {
     vec3 reflected;
     bool retroreflective;
     vec2 film;
+    float eta; // below 1: inside of a body
 };
 
 GeneralizedSchlickLobe generalizedSchlickMake(vec3 wo, vec3 color0, vec3 color82, vec3 color90, float exponent,
-                                              vec2 roughness, bool retroreflective, vec2 film)
+                                              vec2 roughness, bool retroreflective, vec2 film, bool isBody)
 {
     SchlickFresnel s = schlickFresnelMake(color0, color82, color90, exponent);
     vec2 alpha = ggxAlpha(roughness);
@@ -32,7 +31,14 @@ GeneralizedSchlickLobe generalizedSchlickMake(vec3 wo, vec3 color0, vec3 color82
         vec3 f = fresnelSchlick(i == 0 ? mean.cosine.x : mean.cosine.y, s, film);
         sum += (i == 0 ? mean.share.x : mean.share.y) * ggxCompensate(f, loss);
     }
-    return GeneralizedSchlickLobe(s, alpha, loss, sum / (1.0 + loss), retroreflective, film);
+    vec3 reflected = sum / (1.0 + loss);
+    float eta = 1.0;
+    if (isBody) {
+        eta = wo.z < 0.0 ? 1.0 / schlickIndex(s) : 1.0;
+        float inner = ggxInterface(abs(wo.z), ggxViewAlpha(wo, alpha), min(eta, 0.99)).reflected;
+        if (eta < 1.0) reflected = schlickReflected(wo, alpha, loss, eta, inner, s, film);
+    }
+    return GeneralizedSchlickLobe(s, alpha, loss, reflected, retroreflective, film, eta);
 }
 
 vec4 generalizedSchlickEval(GeneralizedSchlickLobe l, vec3 wo, vec3 wi)
@@ -41,7 +47,9 @@ vec4 generalizedSchlickEval(GeneralizedSchlickLobe l, vec3 wo, vec3 wi)
     wo.z *= side;
     wi.z *= side;
     vec3 g = ggxReflection(wo, ggxTurn(wi, l.retroreflective), l.alpha);
-    return vec4((g.x * g.y) * ggxCompensate(fresnelSchlick(g.z, l.fresnel, l.film), l.loss), g.x);
+    vec3 f = l.eta < 1.0 ? fresnelSchlickInterface(g.z, l.eta, l.fresnel, l.film)
+                         : fresnelSchlick(g.z, l.fresnel, l.film);
+    return vec4((g.x * g.y) * ggxCompensate(f, l.loss), g.x);
 }
 
 vec3 generalizedSchlickSample(GeneralizedSchlickLobe l, vec3 wo, vec3 u)
