@@ -50,6 +50,7 @@ class Lineariser {
     }
     std::reverse(live.begin(), live.end());
     for (BsdfId id : live) AddLobe(id, &result);
+    FuseInterfaces(&result);
     return result;
   }
 
@@ -85,8 +86,8 @@ class Lineariser {
     }
   }
 
-  // Whether all of `top` reflects from one of the interfaces that refract below it. They are the same expression, or one is
-  // computed from the other (glTF: reflection by a colour, refraction by the index it comes from).
+  // Whether all of `top` reflects from one of the interfaces that refract below it. They are the same expression, or one
+  // is computed from the other (glTF: reflection by a colour, refraction by the index it comes from).
   bool IsInterfaceOf(BsdfId top, const std::vector<Id>& below) {
     if (top == kNone || below.empty()) return false;
     const Bsdf& node = nodes_[top];
@@ -213,6 +214,33 @@ class Lineariser {
       return;
     }
     result->lobes.push_back({node.lobe, node.expression, weight});
+  }
+
+  // A dielectric's reflection and refraction by the same facets become one lobe that chooses by the Fresnel term.
+  // Arguments: frame, tint, index, roughness, for reflection retroreflective, film.
+  void FuseInterfaces(LinearClosure* result) {
+    auto& lobes = result->lobes;
+    for (size_t t = 0; t < lobes.size(); ++t) {
+      if (lobes[t].lobe->name != "dielectric_transmission") continue;
+      const std::vector<Id> below = e_[lobes[t].expression].arguments;
+      for (size_t r = 0; r < lobes.size(); ++r) {
+        if (lobes[r].lobe->name != "dielectric_reflection") continue;
+        const std::vector<Id> above = e_[lobes[r].expression].arguments;
+        const Expression& faced = e_[above[2]];
+        const bool sameIndex = faced.op->name == "faced_ior" && faced.arguments[0] == below[2];
+        const bool isSame = sameIndex && above[0] == below[0] && above[3] == below[3] && above[5] == below[4];
+        if (!isSame || e_[above[4]].rate != Class::Literal || e_.Scalar(above[4]) != 0) continue;
+        const Id reflected = e_.Convert(Multiply(above[1], lobes[r].weight), Type::Vec3);
+        const Id refracted = e_.Convert(Multiply(below[1], lobes[t].weight), Type::Vec3);
+        lobes[r] = {&FindLobe("dielectric"),
+                    e_.Make("lobe", Type::Lobe,
+                            {above[0], reflected, refracted, below[2], above[3], above[4], above[5]}, "dielectric"),
+                    e_.Number(1)};
+        lobes.erase(lobes.begin() + std::ptrdiff_t(t));
+        --t;
+        break;
+      }
+    }
   }
 
   Expressions& e_;

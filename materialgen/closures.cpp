@@ -17,6 +17,13 @@ bool NodeEvaluator::EvaluateOverride(Port* result) {
   if (node_.owner->category == "standard_surface" && node_.name == "transmission_bsdf") {
     return EvaluateTransmissionDepth(result);
   }
+  // Without extra roughness refraction is exactly as rough as reflection, so that the two can share their facets. (The
+  // clamp that this leaves out is made again where alpha is.)
+  if (node_.owner->category == "standard_surface" && node_.name == "transmission_roughness_clamped" &&
+      e_.Decide(OwnerIn("transmission_extra_roughness"), 0)) {
+    *result = {Type::Float, OwnerIn("specular_roughness")};
+    return true;
+  }
   if (node_.owner->category != "UsdPreviewSurface") return false;
   if (node_.name == "transmission_bsdf") {
     Bsdf through;
@@ -152,10 +159,12 @@ bool NodeEvaluator::EvaluateMicrofacetBsdf(Port* result) {
     arguments = {e_.Color(1, 1, 1), isFaced ? e_.Make("faced_ior", Type::Float, {ior}) : ior};
   } else {
     reflecting = "generalized_schlick";
-    kind = scatter == "T" ? "generalized_schlick_transmission" : scatter == "RT" ? "generalized_schlick_rt" : reflecting;
+    const bool isT = scatter == "T", isRt = scatter == "RT";
+    kind = isT ? "generalized_schlick_transmission" : isRt ? "generalized_schlick_rt" : reflecting;
     lobe.interface = In("color0");
     arguments = {In("color0"), In("color82"), In("color90"), In("exponent")};
   }
+  if (kind == "dielectric") arguments.insert(arguments.begin(), arguments.front());
   arguments.push_back(roughness);
   if (scatter != "R" && b_.facts_.isThinWalled) {
     arguments.insert(arguments.end(), {retro, film});

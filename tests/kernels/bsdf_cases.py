@@ -100,7 +100,7 @@ _CASES: dict[str, tuple[str, dict[str, list[float]]]] = {
     "translucent": ("a.rgb", {"white": WHITE, "coloured": RUST}),
     "dielectricReflection": ("a.rgb, a.w, b.xy, b.z != 0.0, c.xy", _dielectric()),
     "dielectricTransmission": ("a.rgb, a.w, b.xy, c.xy", _dielectric()),
-    "dielectric": ("a.rgb, a.w, b.xy, b.z != 0.0, c.xy", _dielectric()),
+    "dielectric": ("a.rgb, a.rgb, a.w, b.xy, b.z != 0.0, c.xy", _dielectric()),
     "conductor": ("a.rgb, b.rgb, c.xy, a.w != 0.0, d.xy", _conductor()),
     "generalizedSchlick": ("a.rgb, b.rgb, c.rgb, a.w, d.xy, b.w != 0.0, d.zw, c.w != 0.0", _schlick(True)),
     "generalizedSchlickTransmission": ("a.rgb, b.rgb, c.rgb, a.w, d.xy, d.zw", _schlick()),

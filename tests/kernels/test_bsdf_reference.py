@@ -264,7 +264,7 @@ void main() {
     vec3 t = normalize(abs(n.x) < 0.9 ? cross(n, vec3(1.0, 0.0, 0.0)) : cross(n, vec3(0.0, 1.0, 0.0)));
     mat3 frame = mat3(t, cross(n, t), n);
     vec3 wo = -d * frame;
-    DielectricLobe l = dielectricMake(wo, vec3(1.0), ior, vec2(alpha), false, vec2(0.0));
+    DielectricLobe l = dielectricMake(wo, vec3(1.0), vec3(1.0), ior, vec2(alpha), false, vec2(0.0));
     vec3 wi = dielectricSample(l, wo, vec3(pcg(uvec3(i, bounce, 77u)) >> 8) * (1.0 / 16777216.0));
     if (wi == vec3(0.0)) { weight = 0.0; break; }
     vec4 f = dielectricEval(l, wo, wi);

@@ -230,7 +230,7 @@ TEST(MaterialGen, StandardSurfaceWakesWhatIsSwitchedOn) {
             RunNetwork(Standard({{"base", 0.3f}, {"specular_roughness", 0.7f}})).material.kernel);
   EXPECT_EQ(Lobes(RunNetwork(Standard({{"metalness", 1.0f}}))), (Names{"conductor"}));
   EXPECT_EQ(Lobes(RunNetwork(Standard({{"transmission", 1.0f}}))),
-            (Names{"dielectric_reflection", "dielectric_transmission"}));
+            (Names{"dielectric"}));
   EXPECT_EQ(Lobes(RunNetwork(Standard({{"sheen", 0.5f}}))),
             (Names{"dielectric_reflection", "sheen_conty_kulla", "oren_nayar"}));
   const Result coated = RunNetwork(Standard({{"coat", 0.5f}}));
@@ -264,7 +264,7 @@ TEST(MaterialGen, ThinWalledSurfacesDoNotRefract) {
   };
   const Result body = RunNetwork(Standard({{"transmission", 1.0f}}));
   const Result wall = RunNetwork(Standard({{"transmission", 1.0f}, {"thin_walled", true}}));
-  EXPECT_EQ(Lobes(body), (Names{"dielectric_reflection", "dielectric_transmission"}));
+  EXPECT_EQ(Lobes(body), (Names{"dielectric"}));
   EXPECT_EQ(Lobes(wall), (Names{"dielectric_reflection", "thin_transmission"}));
   EXPECT_TRUE(isBody(body));
   EXPECT_FALSE(isBody(wall));

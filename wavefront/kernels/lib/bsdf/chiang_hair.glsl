@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the hdWavefront authors
 //
-// MaterialX's chiang_hair_bsdf: Chiang et al. 2016, "A Practical and Controllable Hair and Fur Model for Production Path
-// Tracing", with the inputs of MaterialX 1.39 (roughness as variance and logistic scale, cuticle_angle 0.5 = no tilt).
-// x of the frame runs along the hair. It scatters all around; where on the hair's width wo meets it follows from the angle
-// between wo and the normal. Two departures from MaterialX's GLSL, both for energy: it divides by pi once more than the
-// paper and spreads the rest term by pi / 2 instead of 1 / (2 pi). Without absorption this lobe returns all light.
+// MaterialX's chiang_hair_bsdf: Chiang et al. 2016, "A Practical and Controllable Hair and Fur Model for Production
+// Path Tracing", with the inputs of MaterialX 1.39 (roughness as variance and logistic scale, cuticle_angle 0.5 = no
+// tilt). x of the frame runs along the hair. It scatters all around; where on the hair's width wo meets it follows
+// from the angle between wo and the normal. Two departures from MaterialX's GLSL, both for energy: it divides by pi
+// once more than the paper and spreads the rest term by pi / 2 instead of 1 / (2 pi). Without absorption this lobe
+// returns all light.
 #ifndef WAVEFRONT_BSDF_CHIANG_HAIR_GLSL
 #define WAVEFRONT_BSDF_CHIANG_HAIR_GLSL
 #include "bsdf_common.glsl"
@@ -69,8 +70,8 @@ vec4 chiangHairBessel(vec4 x)
     return mix(small * exp(-x), large * inversesqrt(y), greaterThan(x, vec4(3.75)));
 }
 
-// Longitudinal scattering (d'Eon et al. 2011, equation 7), normalised over the inclination: the integral with cosI is 1.
-// The exponents are put together before they grow: at small variances floats have no digits left afterwards.
+// Longitudinal scattering (d'Eon et al. 2011, equation 7), normalised over the inclination: the integral with cosI is
+// 1. The exponents are put together before they grow: at small variances floats have no digits left afterwards.
 vec4 chiangHairLongitudinal(ChiangHairLobe l, float sinI, float cosI)
 {
     vec4 v = chiangHairSpread(l.variance);

@@ -2,8 +2,9 @@
 // Copyright the hdWavefront authors
 //
 // MaterialX's generalized_schlick_bsdf, scatter_mode R: GGX reflection with a generalised Schlick Fresnel term,
-// energy compensated as dielectric_reflection is. `isBody`: the surface also refracts; seen from the inside (wo.z < 0) the
-// interface is that of generalized_schlick_rt, total reflection and all. What it lets through is the mean over channels, as in MaterialX.
+// energy compensated as dielectric_reflection is. `isBody`: the surface also refracts; seen from the inside (wo.z <
+// 0) the interface is that of generalized_schlick_rt, total reflection and all. What it lets through is the mean over
+// channels, as in MaterialX.
 #ifndef WAVEFRONT_BSDF_GENERALIZED_SCHLICK_GLSL
 #define WAVEFRONT_BSDF_GENERALIZED_SCHLICK_GLSL
 #include "schlick_interface.glsl"

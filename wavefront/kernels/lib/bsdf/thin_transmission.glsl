@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the hdWavefront authors
 //
-// What a thin-walled dielectric lets through: two parallel faces bend light back to where it came from, so that only their
-// roughness spreads it. A mirrored GGX reflection of lower roughness: a facet tilted by d turns a ray by 2 d in reflection,
-// by (n - 1) d in refraction, and two independent faces do so in quadrature: (n - 1) / sqrt(2) of the roughness.
-// `passed` is what the interface's reflection leaves; the lobe is energy compensated to just that.
+// What a thin-walled dielectric lets through: two parallel faces bend light back to where it came from, so that only
+// their roughness spreads it. A mirrored GGX reflection of lower roughness: a facet tilted by d turns a ray by 2 d in
+// reflection, by (n - 1) d in refraction, and two independent faces do so in quadrature: (n - 1) / sqrt(2) of the
+// roughness. `passed` is what the interface's reflection leaves; the lobe is energy compensated to just that.
 #ifndef WAVEFRONT_BSDF_THIN_TRANSMISSION_GLSL
 #define WAVEFRONT_BSDF_THIN_TRANSMISSION_GLSL
 #include "ggx_albedo.glsl"
