@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the hdWavefront authors
 // Meshes moved by generated displacement kernels, point by point against closed forms.
+#include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstring>
 #include <numbers>
@@ -92,6 +94,19 @@ MaterialNetwork Waves() {
   return network;
 }
 
+MaterialNetwork Textured(float scale) {
+  MaterialNetwork network = Constant(0);
+  network.nodes[0].parameters["scale"] = scale;
+  network.nodes.push_back({"/m/t",
+                           "UsdUVTexture",
+                           {{"file", materialgen::AssetValue{"a.png", "/a.png", ""}},
+                            {"wrapS", std::string("clamp")},
+                            {"wrapT", std::string("clamp")}}});
+  network.nodes.push_back({"/m/r", "UsdPrimvarReader_float2", {{"varname", std::string("st")}}});
+  network.connections = {{"/m/t", "r", "/m/d", "displacement"}, {"/m/r", "result", "/m/t", "st"}};
+  return network;
+}
+
 class DisplacerTest : public vulkan::VulkanTest {
  protected:
   void SetUp() override {
@@ -125,6 +140,18 @@ class DisplacerTest : public vulkan::VulkanTest {
     for (size_t i = 0; i < values.size(); i += 4)
       data->parameters.push_back({values[i], values[i + 1], values[i + 2], values[i + 3]});
     return data;
+  }
+
+  template <typename Red>
+  TextureId Texture(uint32_t side, Red red) {
+    TextureData image;
+    image.width = image.height = side;
+    for (uint32_t i = 0; i < side * side; ++i)
+      image.texels.insert(image.texels.end(), {static_cast<uint8_t>(red(i % side, i / side)), 0, 0, 255});
+    const TextureId texture = textures_->Create(image);
+    bool changed = false;
+    vulkan::Must(textures_->Commit({}, &changed));
+    return texture;
   }
 
   MeshData Displaced(MeshData mesh, std::vector<std::shared_ptr<const DisplacementData>> displacements) {
@@ -204,27 +231,25 @@ TEST_F(DisplacerTest, AVectorIsInTangentSpace) {
 }
 
 TEST_F(DisplacerTest, ATextureIsReadWhereThePointIs) {
-  TextureData image;
-  image.width = image.height = 4;
-  for (int i = 0; i < 16; ++i) image.texels.insert(image.texels.end(), {uint8_t(i * 16), 0, 0, 255});
-  const TextureId texture = textures_->Create(image);
-  bool changed = false;
-  vulkan::Must(textures_->Commit({}, &changed));
-  MaterialNetwork network = Constant(0);
-  network.nodes[0].parameters["scale"] = 3.0f;
-  network.nodes.push_back({"/m/t",
-                           "UsdUVTexture",
-                           {{"file", materialgen::AssetValue{"a.png", "/a.png", ""}},
-                            {"wrapS", std::string("clamp")},
-                            {"wrapT", std::string("clamp")}}});
-  network.nodes.push_back({"/m/r", "UsdPrimvarReader_float2", {{"varname", std::string("st")}}});
-  network.connections = {{"/m/t", "r", "/m/d", "displacement"}, {"/m/r", "result", "/m/t", "st"}};
-  const MeshData plane = Grid(10), moved = Displaced(plane, {Kernel(network, texture)});
+  const TextureId texture = Texture(4, [](uint32_t x, uint32_t y) { return uint8_t(16 * (x + 4 * y)); });
+  const MeshData plane = Grid(10), moved = Displaced(plane, {Kernel(Textured(3), texture)});
   for (size_t i = 0; i < plane.positions.size(); ++i) {
     // Bilinear between texel centres, held at the border.
     const double x = std::clamp(plane.positions[i].x * 4 - 0.5, 0.0, 3.0), y = std::clamp(plane.positions[i].y * 4 - 0.5, 0.0, 3.0);
     EXPECT_NEAR(moved.positions[i].z, 3 * (x + 4 * y) * 16 / 255, 2e-6) << i;
   }
+}
+
+// A mesh cannot show every other texel of a fine texture; it must not pick some of them either.
+TEST_F(DisplacerTest, ATextureIsFilteredOverTheSpacingOfThePoints) {
+  const TextureId texture = Texture(64, [](uint32_t x, uint32_t y) { return (x ^ y) & 1 ? 255 : 0; });
+  const MeshData moved = Displaced(Grid(4), {Kernel(Textured(1), texture)});
+  for (const Float3& p : moved.positions) EXPECT_NEAR(p.z, 0.5, 0.01);
+  const MeshData fine = Displaced(Grid(128), {Kernel(Textured(1), texture)});
+  const auto [low, high] = std::minmax_element(fine.positions.begin(), fine.positions.end(),
+                                               [](const Float3& a, const Float3& b) { return a.z < b.z; });
+  EXPECT_LT(low->z, 0.3);
+  EXPECT_GT(high->z, 0.7);
 }
 
 TEST_F(DisplacerTest, SubsetsMeetWithoutAGap) {
