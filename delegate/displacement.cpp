@@ -36,12 +36,19 @@ DisplacementLevel Choose(int lowest, const std::vector<PrimvarInput>& primvars, 
 }  // namespace
 
 std::shared_ptr<const std::vector<uint32_t>> DisplacementKernels::Compile(const materialgen::KernelSource& source,
+                                                                          materialgen::SpirvCache& cache,
                                                                           const wavefront::DiagnosticSink& sink) {
   std::lock_guard lock(mutex_);
   const auto [known, isNew] = spirv_.try_emplace(source.key);
   if (!isNew) return known->second;
   std::string error;
-  auto spirv = materialgen::CompileGlsl(source.displacement, source.key + ".displacement", &error);
+  std::vector<uint32_t> spirv;
+  if (auto kept = cache.Load(source.displacement)) {
+    spirv = std::move(*kept);
+  } else {
+    spirv = materialgen::CompileGlsl(source.displacement, source.key + ".displacement", &error);
+    if (!spirv.empty()) cache.Store(source.displacement, spirv);
+  }
   if (spirv.empty()) {
     sink({wavefront::Severity::Error, "material-kernel-failed", source.key + ".displacement",
           "A generated displacement kernel does not compile; its materials do not displace. " + error});

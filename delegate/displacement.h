@@ -13,6 +13,7 @@
 #include "delegate/mesh/implicit.h"
 #include "delegate/mesh/mesh_input.h"
 #include "materialgen/materialgen.h"
+#include "materialgen/spirv_cache.h"
 #include "wavefront/base/diagnostics.h"
 #include "wavefront/scene.h"
 
@@ -23,7 +24,7 @@ class DisplacementKernels {
  public:
   // Null where it does not compile, which is told.
   std::shared_ptr<const std::vector<uint32_t>> Compile(const materialgen::KernelSource& source,
-                                                       const wavefront::DiagnosticSink& sink);
+                                                       materialgen::SpirvCache& cache, const wavefront::DiagnosticSink& sink);
   uint64_t compiled() const { return compiled_; }  // not while compiling
 
  private:

@@ -178,7 +178,7 @@ std::vector<wavefront::Float4> MaterialStore::Block(const materialgen::CompiledM
 
 void MaterialStore::UpdateDisplacement(Material& material) {
   const materialgen::CompiledMaterial& compiled = material.displaced;
-  const auto spirv = compiled.kernel ? displacementKernels_.Compile(*compiled.kernel, sink_) : nullptr;
+  const auto spirv = compiled.kernel ? displacementKernels_.Compile(*compiled.kernel, *cache_, sink_) : nullptr;
   if (!spirv) {
     material.displacement = nullptr;
     return;

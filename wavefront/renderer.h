@@ -77,7 +77,8 @@ struct Progress {
   bool running = false, paused = false, converged = false;
 };
 
-// A fixed kernel, or one entry point of a material's ("material:<key>:surface").
+// A fixed kernel, one entry point of a material's ("material:<key>:surface"), or a displacement ("displacement:<key>": on
+// the host's clock, in the commit; items are corners of triangles).
 struct KernelStats {
   std::string name;
   double milliseconds = 0;  // on the device

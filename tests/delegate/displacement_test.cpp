@@ -82,6 +82,7 @@ TEST(DelegateDisplacement, AnEditMovesOnlyItsMeshAndCompilesNothing) {
   EXPECT_EQ(after.meshesBuilt, 3u);
   EXPECT_EQ(after.kernelsCompiled, before.kernelsCompiled);
   EXPECT_EQ(after.materialsUploaded, before.materialsUploaded);
+  ASSERT_EQ(MeshOf(f, "/a").displacements.size(), 1u);
   EXPECT_EQ(MeshOf(f, "/a").displacements[0]->parameters[0].x, 0.75f);
   f.delegate->Sync("/am", Displacing("/am", 0.75f, 2));  // the surface
   f.Commit();

@@ -63,7 +63,7 @@ EditScript::EditScript(uint32_t seed) : random_(seed) {
     prim.camera.transforms = Still(m);
   }
   scene_.aovs = {"color", "depth", "primId", "normal"};
-  scene_.settings = {{"samples", int64_t{2}}, {"maxBounces", int64_t{2}}};
+  scene_.settings = {{"samples", int64_t{2}}, {"maxBounces", int64_t{2}}, {"displacementTriangles", int64_t{200}}};
 }
 
 double EditScript::Number(double low, double high) { return low + (high - low) * Pick(65) / 64.0; }
@@ -226,7 +226,8 @@ void EditScript::BuildLights() {
   bulb.instancer = "/world/bulbs";
 }
 
-// Variants differ in topology: plain, textured, emissive, partly there, and one that nobody can render.
+// Variants differ in topology: plain, textured, emissive, partly there, and one that nobody can render. One in three moves
+// the points of what wears it: by a value, or by the texture.
 delegate::MaterialUpdate EditScript::Network(const std::string& path, uint32_t variant) {
   materialgen::MaterialNetwork network;
   network.path = path;
@@ -237,12 +238,18 @@ delegate::MaterialUpdate EditScript::Network(const std::string& path, uint32_t v
                                                    {"roughness", tone()}};
   if (variant == 2) values["emissiveColor"] = std::array<float, 3>{4 * tone(), 4 * tone(), 4 * tone()};
   if (variant == 3) values["opacity"] = tone();
+  if (Chance(3)) {
+    values["displacement"] = 0.2f * tone();
+    network.displacementNode = network.surfaceNode;
+    network.displacementOutput = "displacement";
+  }
   network.nodes = {{network.surfaceNode, variant == 4 ? "NoSuchSurface" : "UsdPreviewSurface", values}};
   if (variant == 1) {
     const std::string file = "wood" + std::to_string(Pick(3)) + ".png", texture = path + "/texture", reader = path + "/reader";
     network.nodes.push_back({texture, "UsdUVTexture", {{"file", materialgen::AssetValue{file, "/textures/" + file, ""}}}});
     network.nodes.push_back({reader, "UsdPrimvarReader_float2", {{"varname", std::string("st")}}});
     network.connections.push_back({texture, "rgb", network.surfaceNode, "diffuseColor"});
+    if (Chance(2)) network.connections.push_back({texture, "r", network.surfaceNode, "displacement"});
     network.connections.push_back({reader, "result", texture, "st"});
   }
   return {{{"", std::move(network)}}};
@@ -405,6 +412,10 @@ std::string EditScript::EditMaterialValue(EditSink& sink) {
   const std::string path = AnyPath([](const ScenePrim& p) { return p.kind == PrimKind::Material; });
   if (path.empty()) return "";
   auto& values = scene_.prims[path].material.contexts.front().second.nodes.front().parameters;
+  if (values.count("displacement") && Chance(2)) {
+    values["displacement"] = static_cast<float>(Chance(4) ? 0.0 : Number(-0.1, 0.2));
+    return Tell(sink, path, kPartNetwork, "displacement");
+  }
   values["diffuseColor"] = std::array<float, 3>{static_cast<float>(Number(0, 1)), 0.5f, static_cast<float>(Number(0, 1))};
   return Tell(sink, path, kPartNetwork, "");
 }

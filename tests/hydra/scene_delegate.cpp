@@ -248,6 +248,7 @@ VtValue SceneDelegate::GetMaterialResource(const SdfPath& id) {
         {SdfPath(c.upstreamNode), TfToken(c.upstreamOutput), SdfPath(c.downstreamNode), TfToken(c.downstreamInput)});
   if (!network.nodes.empty() && isSurface(network.nodes.back())) {
     map.terminals.push_back(network.nodes.back().path);
+    if (source.displacementNode == source.surfaceNode) map.map[HdMaterialTerminalTokens->displacement] = network;
     map.map[HdMaterialTerminalTokens->surface] = std::move(network);
   }
   return VtValue(map);

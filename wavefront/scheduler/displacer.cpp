@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <chrono>
 #include <set>
 
 #include "wavefront/scene/displacement.h"
@@ -103,6 +104,8 @@ Result<const vulkan::ComputePipeline*> Displacer::Pipeline(const DisplacementDat
         device_, layout_, {*displacement.spirv, "main", {}, "displacement:" + displacement.kernelKey});
     if (!made) return made.error();
     pipeline = std::move(made).value();
+    times_[displacement.kernelKey].createSeconds = pipeline->creationSeconds();
+    times_[displacement.kernelKey].spirvBytes = 4 * displacement.spirv->size();
   }
   return pipeline.get();
 }
@@ -172,6 +175,7 @@ Status Displacer::Run(Job& job, std::size_t slot, std::vector<Float3>& offsets) 
   const std::vector<uint32_t>& list = job.triangles[slot];
   auto pipeline = Pipeline(*job.mesh.displacements[slot]);
   if (!pipeline) return pipeline.error();
+  Times& times = times_[job.mesh.displacements[slot]->kernelKey];
   std::vector<Float3> slice;
   for (uint64_t first = 0; first < list.size(); first += kSliceTriangles) {
     const auto count = static_cast<uint32_t>(std::min<uint64_t>(kSliceTriangles, list.size() - first));
@@ -183,9 +187,14 @@ Status Displacer::Run(Job& job, std::size_t slot, std::vector<Float3>& offsets) 
     stream_->PushConstants(std::as_bytes(std::span(push)));
     const uint32_t groups = (3 * count + kGroupSize - 1) / kGroupSize;
     stream_->Dispatch(std::min(groups, kMaxGroups), (groups + kMaxGroups - 1) / kMaxGroups);
+    const auto start = std::chrono::steady_clock::now();
     auto value = stream_->Submit();
     if (!value) return value.error();
     if (auto done = stream_->Wait(value.value()); !done) return done.error();
+    const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    if (times.dispatches++ == 0) times.firstDispatchSeconds = seconds;
+    times.seconds += seconds;
+    times.corners += 3 * uint64_t{count};
     slice.resize(3 * std::size_t{count});
     if (Status s = job.output->Download(0, std::as_writable_bytes(std::span(slice))); !s) return s;
     for (std::size_t i = 0; i < count; ++i)

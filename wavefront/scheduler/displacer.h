@@ -28,6 +28,14 @@ class Displacer {
   // any other. The textures of the commit must be on the device. Waits for the device: once per mesh and material.
   Status Displace(MeshData& mesh, const DiagnosticSink& sink);
 
+  // What the kernels cost so far, by key; `seconds` from submit to result, the first dispatch among them (where
+  // lavapipe compiles).
+  struct Times {
+    double createSeconds = 0, firstDispatchSeconds = 0, seconds = 0;
+    uint64_t dispatches = 0, corners = 0, spirvBytes = 0;
+  };
+  const std::map<std::string, Times>& times() const { return times_; }
+
  private:
   struct Job;
   Result<const vulkan::ComputePipeline*> Pipeline(const DisplacementData& displacement);
@@ -40,6 +48,7 @@ class Displacer {
   TextureStore& textures_;
   std::unique_ptr<vulkan::CommandStream> stream_;
   std::map<std::string, std::unique_ptr<vulkan::ComputePipeline>> pipelines_;  // by kernel key
+  std::map<std::string, Times> times_;
 };
 
 }  // namespace wavefront

@@ -327,6 +327,8 @@ void RendererImpl::Publish() {
     const std::size_t row = kKernelCount + b - layout::kFirstMaterialBucket;
     if (row < s.kernels.size()) s.queues.push_back({s.kernels[row].name, loop.bucketItems[b], loop.bucketPeak[b]});
   }
+  for (const auto& [key, t] : displacer_->times())
+    s.kernels.push_back({"displacement:" + key, t.seconds * 1e3, t.corners, t.dispatches, "ready", 0, false, t.createSeconds * 1e3, t.firstDispatchSeconds * 1e3, t.spirvBytes});
   s.paths = loop.pathsStarted - std::min(loop.pathsStarted, loop.active);
   s.segments = s.extensionRays = queued(Queue::ExtensionRay);
   s.shadowRays = queued(Queue::ShadowRay);

@@ -286,7 +286,7 @@ class RenderDelegate:
         """(worldToCamera, worldToNDC) of the committed camera, row-vector convention, for image metadata."""
 
     def material_source(self, path: str) -> dict[str, str]:
-        """GLSL of a material's kernel by entry: surface, opacity, emission. Empty: unknown, or not generated yet."""
+        """GLSL of a material's kernel by entry: surface, opacity, emission, displacement. Empty: unknown, or not generated yet."""
 
     # -- Colour.
     def run_color_kernel(
