@@ -357,6 +357,16 @@ def test_included_files_and_prefixes_resolve(looks, tmp_path):
     assert not list(diagnostics)
 
 
+def test_images_are_looked_for_in_materialx_search_path(looks, tmp_path, monkeypatch):
+    (tmp_path / "far").mkdir()
+    (tmp_path / "far/a.png").touch()
+    monkeypatch.setenv("MATERIALX_SEARCH_PATH", str(tmp_path / "far"))
+    image = '<image name="i" type="color3"><input name="file" type="filename" value="a.png"/></image>'
+    text = document(image + material("red", '<input name="base_color" type="color3" nodename="i"/>'))
+    nodes, _ = network_of(looks, text)
+    assert nodes["i"]["parameters"]["file"]["authored"] == str(tmp_path / "far/a.png")
+
+
 def test_colour_spaces_come_from_the_input_the_graph_or_the_document(looks):
     text = document(
         '<nodegraph name="g" colorspace="lin_adobergb"><constant name="c" type="color3">'
