@@ -20,8 +20,9 @@ from ..errors import Diagnostics
 from .convert import convert_file
 from .looks import VARIANT_SET
 
-# "Could not open asset @a.mtlx@ for reference ..." where pxr has no UsdMtlx, "Asset @a.mtlx@ was muted for ..." else.
-_BROKEN_ARC = re.compile(r"[Aa]sset @([^@]+?\.mtlx\]?)(?::SDF_FORMAT_ARGS[^@]*)?@ ")
+# "Could not open asset @a.mtlx@ for reference ..." where pxr has no UsdMtlx, "Asset @a.mtlx@ was muted for ..." else,
+# and "Unresolved reference prim path @a.mtlx@</...>" where UsdMtlx makes no such prim.
+_BROKEN_ARC = re.compile(r"(?:[Aa]sset|prim path) @([^@]+?\.mtlx\]?)(?::SDF_FORMAT_ARGS[^@]*)?@[ <]")
 _HOLDER = Sdf.Path("/__hdWavefrontMaterialX")
 
 # Anonymous layers live as long as somebody holds them; a stage finds them by identifier when it recomposes.
