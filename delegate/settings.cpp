@@ -113,7 +113,10 @@ void SettingValues::FillInto(wavefront::RenderSettings& settings) const {
   settings.seed = number("seed");
   settings.poolSize = number("poolSize");
   settings.samplesPerBatch = number("samplesPerBatch");
-  settings.radianceClamp = static_cast<float>(std::get<double>(Get("radianceClamp").value()));
+  const auto real = [this](std::string_view token) { return static_cast<float>(std::get<double>(Get(token).value())); };
+  settings.frame = real("frame");
+  settings.time = real("time");
+  settings.radianceClamp = real("radianceClamp");
   settings.cameraVisibleDome = Bool("domeLightCameraVisibility");
   settings.shadows = Bool("enableShadows");
   settings.interactive = Bool("enableInteractive");

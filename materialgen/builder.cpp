@@ -324,8 +324,9 @@ Port Builder::GeometricProperty(const std::string& name) {
   if (name == "Nobject") return expression("to_object_normal", Type::Vec3, {e_.Make("normal_world", Type::Vec3, {})});
   if (name == "Tworld") return {Type::Vec3, tangent("tangent")};
   if (name == "Bworld") return {Type::Vec3, tangent("bitangent")};
-  if (name == "Tobject") return expression("to_object_vector", Type::Vec3, {tangent("tangent")});
-  if (name == "Bobject") return expression("to_object_vector", Type::Vec3, {tangent("bitangent")});
+  const auto toObject = [&](Id v) { return e_.Make("to_object_vector", Type::Vec3, {v}); };
+  if (name == "Tobject") return expression("normalize", Type::Vec3, {toObject(tangent("tangent"))});
+  if (name == "Bobject") return expression("normalize", Type::Vec3, {toObject(tangent("bitangent"))});
   if (name == "Vworld") return expression("view", Type::Vec3);
   return {Type::Vec2, TextureCoordinates("uv_value", "st", none)};  // UV0
 }
@@ -491,8 +492,7 @@ Port Builder::EvaluateFunction(const Node& node, const std::string& output) {
   }
   std::set<std::string> seen;
   const std::string code = library_.FunctionSource(node.definition->file, &seen);
-  if (wanted < 0 || Components(result.type) == 0 || code.empty() || code.find('$') != std::string::npos ||
-      node.definition->category == "heighttonormal") {  // needs derivatives of a texture
+  if (wanted < 0 || Components(result.type) == 0 || code.empty() || code.find('$') != std::string::npos) {
     result.isUnknown = true;
     return result;
   }

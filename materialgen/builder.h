@@ -130,12 +130,17 @@ class NodeEvaluator {
   Type OutputType() const;
   bool EvaluateOverride(Port* result);
   bool EvaluateTransmissionDepth(Port* result);
+  bool EvaluateText(Port* result);
   bool EvaluateArithmetic(Port* result);
   bool EvaluateChannels(Port* result);
   bool EvaluateChoice(Port* result);
   bool EvaluateGeometry(Port* result);
+  bool EvaluateTexture(Port* result);  // texture_nodes.cpp
   bool EvaluateImage(Port* result);
+  bool EvaluateHexTiles(Port* result);
   bool EvaluateNormalMap(Port* result);
+  bool EvaluateHeightToNormal(Port* result);
+  bool EvaluateSplit(Port* result);
   bool EvaluateMicrofacet(Port* result);
   bool EvaluateHair(Port* result);
   bool EvaluateBsdf(Port* result);
@@ -149,6 +154,12 @@ class NodeEvaluator {
   Id Primvar(const std::string& name, Type type, Id fallback);
   Id Footprint(Id uv, int depth = 0);
   Id UvOf(Id id, int depth = 0);
+  // A file input as a texture; kNone where no file is named.
+  Id TextureOf(std::string_view input);
+  // A tangent or bitangent for a normal map that reads the texture coordinates `uv` (kNone: the usual ones).
+  Id TangentFor(std::string_view name, Id uv);
+  // `root` where the surface is a step further along an edge of the triangle (1 or 2).
+  Id Moved(Id root, int edge);
   Id FrameOf(bool isAnisotropic);
   bool AddLobe(Port* result, std::string_view kind, std::vector<Id> arguments, Bsdf lobe, bool hasAlpha);
   void Unsupported(const std::string& what);

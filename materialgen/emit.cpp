@@ -14,7 +14,7 @@ namespace materialgen {
 namespace {
 
 // Part of every key: raise it when the same network yields other source.
-constexpr const char* kGeneratorVersion = "5";
+constexpr const char* kGeneratorVersion = "6";
 
 class Emitter {
  public:
@@ -98,6 +98,7 @@ class Emitter {
     std::string text = "#version 460\n#extension GL_GOOGLE_include_directive : require\n#include \"material/";
     text += head;
     text += "_head.glsl\"\n#include \"lib/pattern.glsl\"\n";
+    if (printer.CallsHexTiles()) text += "#include \"lib/hextile.glsl\"\n";
     for (const std::string& lobe : printer.LobeFiles()) text += "#include \"lib/bsdf/" + lobe + ".glsl\"\n";
     if (printer.CallsLibrary()) text += functions_;
     return text;

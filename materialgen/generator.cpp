@@ -94,8 +94,6 @@ class GeneratorImpl final : public Generator {
       if (builder.CallsLibrary()) {
         // Its macros serve all the others.
         functions = library_->FunctionSource(library_->MathFile(), &seen);
-        // No derivatives in compute; what asks for them here softens a step over the width of a pixel.
-        functions += "#define dFdx(x) ((x) * 0.0 + 1e-4)\n#define dFdy(x) ((x) * 0.0 + 1e-4)\n";
         for (const std::string& file : builder.FunctionFiles()) functions += library_->FunctionSource(file, &seen);
       }
       const bool isTooLarge = expressions.size() > kMaximumExpressions;
@@ -112,6 +110,13 @@ class GeneratorImpl final : public Generator {
         MaterialNetwork empty;
         empty.path = network.path;
         result = Compile(empty, Terminal::Surface, [](const Message&) {});
+      }
+      const auto asks = [&](const char* function) {
+        return result.kernel && result.kernel->displacement.find(function) != std::string::npos;
+      };
+      if (asks("frameNumber()") || asks("frameSeconds()")) {
+        messages.push_back({Severity::Warning, "material-unsupported-feature", network.path,
+                            "displacement does not follow the frame: it sees frame 1 and time 0"});
       }
       for (const Message& message : messages) {
         if (sink) sink(message);

@@ -93,9 +93,22 @@ bool NodeEvaluator::Evaluate(Port* result) {
   if (type == Type::Bsdf) return EvaluateBsdf(result);
   if (type == Type::Surface) return EvaluateSurface(result);
   if (type == Type::Displacement) return EvaluateDisplacement(result);
+  if (type == Type::String || type == Type::Asset) return EvaluateText(result);
   return EvaluateArithmetic(result) || EvaluateChannels(result) || EvaluateChoice(result) || EvaluateGeometry(result) ||
-         EvaluateImage(result) || EvaluateNormalMap(result) || EvaluateMicrofacet(result) || EvaluateHair(result) ||
-         EvaluateEmission(result);
+         EvaluateTexture(result) || EvaluateMicrofacet(result) || EvaluateHair(result) || EvaluateEmission(result);
+}
+
+// Texts and file names are known before the kernel is: they pass through the nodes that only hand on, or choose.
+bool NodeEvaluator::EvaluateText(Port* result) {
+  const std::string_view category = node_.definition->category;
+  *result = {OutputType(), kNone};
+  if (category == "constant") result->id = In("value");
+  if (category == "dot") result->id = In("in");
+  if (category == "geompropvalueuniform") {
+    Unsupported("'" + node_.definition->name + "': a text read from a primvar is not supported; the default is used");
+    result->id = In("default");
+  }
+  return result->id != kNone;
 }
 
 void NodeEvaluator::Unsupported(const std::string& what) {
@@ -197,9 +210,14 @@ bool NodeEvaluator::EvaluateChoice(Port* result) {
     int count = 0;
     while (count < 10 && input(count) != kNone) ++count;
     if (count == 0) return false;
-    if (e_.IsUniform(which)) return Number(result, input(IndexOf(e_.Scalar(which), count - 1)));
-    Id chosen = input(count - 1);
-    for (int i = count - 1; i-- > 0;) {
+    // As in the library's graph, what lies past the last input is zero.
+    const Id past = e_.Literal(type, {});
+    if (e_.IsUniform(which)) {
+      const int at = IndexOf(e_.Scalar(which), count);
+      return Number(result, at < count ? input(at) : past);
+    }
+    Id chosen = past;
+    for (int i = count; i-- > 0;) {
       const Id isBelow = e_.Make("greater", Type::Bool, {e_.Number(float(i + 1)), which});
       chosen = e_.Make("select", type, {isBelow, input(i), chosen});
     }
@@ -225,36 +243,39 @@ bool NodeEvaluator::EvaluateGeometry(Port* result) {
     const Id normal = value("normal_world");
     return Number(result, isWorld ? normal : e_.Make("to_object_normal", Type::Vec3, {normal}));
   }
+  const auto direction = [&](Id world) {
+    if (isWorld) return world;
+    return e_.Make("normalize", Type::Vec3, {e_.Make("to_object_vector", Type::Vec3, {world})});
+  };
   if (category == "tangent" || category == "bitangent") {
-    const Id tangent = b_.TextureCoordinates(category, "st", e_.Literal(Type::Vec2, {}));
-    return Number(result, isWorld ? tangent : e_.Make("to_object_vector", Type::Vec3, {tangent}));
+    return Number(result, direction(b_.TextureCoordinates(category, "st", e_.Literal(Type::Vec2, {}))));
   }
-  if (category == "viewdirection") {
-    return Number(result, isWorld ? value("view") : e_.Make("to_object_vector", Type::Vec3, {value("view")}));
-  }
-  if (category == "time" || category == "frame") return Number(result, value("time", Type::Float));
+  if (category == "viewdirection") return Number(result, direction(value("view")));
+  if (category == "time") return Number(result, value("time", Type::Float));
+  if (category == "frame") return Number(result, value("frame_number", Type::Float));
   if (category == "texcoord") {
     const Id which = In("index");
     const int set = which == kNone ? 0 : IndexOf(e_.Scalar(which), 99);
     const std::string name = set > 0 ? "st" + std::to_string(set) : "st";
     return Number(result, Primvar(name, Type::Vec2, e_.Literal(Type::Vec2, {})));
   }
-  if (category == "geomcolor") return Number(result, Primvar("displayColor", type, e_.Literal(type, {})));
-  if (category == "geompropvalue" || category == "geompropvalueuniform") {
+  if (category == "geomcolor") {
+    const Id which = In("index");
+    const int set = which == kNone ? 0 : IndexOf(e_.Scalar(which), 99);
+    const std::string name = set > 0 ? "displayColor" + std::to_string(set) : "displayColor";
+    return Number(result, Primvar(name, type, e_.Literal(type, {})));
+  }
+  if (category == "geompropvalue") {
     std::string name;
-    if (type == Type::String || type == Type::Asset) {
-      Unsupported("a text read from a primvar is not supported; the fallback is used");
-      *result = {type, In("default")};
-      return result->id != kNone;
-    }
     if (!InText("geomprop", &name) || !IsVector(type)) return false;
     const Id fallback = In("default", type);
     if (name.empty()) {
       Unsupported("a primvar reader without a name; the fallback is used");
       return Number(result, fallback);
     }
-    const bool isNumber = type == Type::Int || type == Type::Bool;
-    return Number(result, Primvar(name, isNumber ? Type::Float : type, fallback));
+    if (type != Type::Int && type != Type::Bool) return Number(result, Primvar(name, type, fallback));
+    // Weights of the corners add up to one but for rounding: truncating would give the next smaller number.
+    return Number(result, e_.Arithmetic("round", {Primvar(name, Type::Float, fallback)}));
   }
   if (category == "transformpoint" || category == "transformvector" || category == "transformnormal") {
     std::string from, to;
@@ -265,102 +286,6 @@ bool NodeEvaluator::EvaluateGeometry(Port* result) {
     return Number(result, e_.Make(op, Type::Vec3, {In("in")}));
   }
   return false;
-}
-
-// Width of the ray cone in units of the texture coordinate `uv`, followed through what scales it.
-Id NodeEvaluator::Footprint(Id uv, int depth) {
-  const Expression expression = e_[uv];
-  if (depth > 16 || expression.rate != Class::Varying) return kNone;
-  const std::string_view op = expression.op->name;
-  if (op == "uv_value") return e_.Make("footprint", Type::Float, {expression.arguments[0]});
-  if (op == "tangent" || op == "bitangent") return kNone;
-  for (size_t i = 0; i < expression.arguments.size(); ++i) {
-    const Id footprint = Footprint(expression.arguments[i], depth + 1);
-    if (footprint == kNone) continue;
-    const Id other = expression.arguments.size() == 2 ? expression.arguments[1 - i] : kNone;
-    const bool isScaled = (op == "multiply" || (op == "divide" && i == 0)) && e_.IsUniform(other);
-    if (!isScaled) return footprint;
-    const Id scale = op == "multiply" ? other : e_.Arithmetic("divide", {e_.Number(1), other});
-    return e_.Arithmetic("multiply", {footprint, e_.Make("maximum_abs", Type::Float, {scale})});
-  }
-  return kNone;
-}
-
-// The texture coordinates ("uv") that feed a value: a normal map's tangents follow them. kNone: none.
-Id NodeEvaluator::UvOf(Id id, int depth) {
-  const Expression& expression = e_[id];
-  if (depth > 16 || expression.rate != Class::Varying) return kNone;
-  if (expression.op->name == "uv") return id;
-  for (Id argument : expression.arguments) {
-    const Id uv = UvOf(argument, depth + 1);
-    if (uv != kNone) return uv;
-  }
-  return kNone;
-}
-
-bool NodeEvaluator::EvaluateImage(Port* result) {
-  if (node_.definition->category != "image") return false;
-  const Type type = OutputType();
-  const Id fallback = In("default", type), uv = In("texcoord", Type::Vec2);
-  const AssetValue* asset = e_.AssetOf(In("file"));
-  if (fallback == kNone || uv == kNone || !asset) return false;
-  if (asset->authoredPath.empty() && asset->resolvedPath.empty()) return Number(result, fallback);
-
-  TextureLeaf texture;
-  texture.node = b_.current_ ? b_.current_->path : b_.network_.path;
-  texture.file = *asset;
-  texture.isColor = node_.definition->name.find("color") != std::string::npos;
-  const bool isUsd = b_.current_ && b_.current_->identifier == "UsdUVTexture";
-  if (isUsd || node_.owner) {
-    if (b_.current_) {
-      const auto space = b_.current_->parameters.find("sourceColorSpace");
-      const auto* text = space == b_.current_->parameters.end() ? nullptr : std::get_if<std::string>(&space->second);
-      if (text) texture.sourceColorSpace = *text;
-    }
-    if (isUsd && texture.sourceColorSpace.empty()) texture.sourceColorSpace = "auto";
-  }
-  // Numbers of WrapMode in wavefront/scene.h.
-  bool isConstant = false;
-  const auto wrap = [&](std::string_view input, const char* usd) {
-    std::string mode = "periodic";
-    InText(input, &mode);
-    // USD's default is "useMetadata": what the file says. Image files in use say nothing, USD's text leaves that case
-    // open, and assets rely on what MaterialX's definition of the node and production renderers do: repeat.
-    if (isUsd && !b_.current_->parameters.count(usd)) mode = "useMetadata";
-    if (mode == "clamp") return "1u";
-    if (mode == "mirror") return "2u";
-    isConstant = isConstant || mode == "constant";
-    return mode == "black" || mode == "constant" ? "3u" : "0u";
-  };
-  const std::string modes = std::string(wrap("uaddressmode", "wrapS")) + ", " + wrap("vaddressmode", "wrapT");
-  Id footprint = Footprint(uv);
-  if (footprint == kNone) footprint = e_.Number(0);
-  const Id whole = e_.Convert(fallback, Type::Vec4);
-  const Id outside = isConstant ? whole : e_.Literal(Type::Vec4, {});
-  const Id texel = e_.Make("image", Type::Vec4, {e_.Texture(texture), uv, footprint, outside, whole}, modes);
-  return Number(result, texel);
-}
-
-bool NodeEvaluator::EvaluateNormalMap(Port* result) {
-  if (node_.definition->category != "normalmap") return false;
-  const Id in = In("in", Type::Vec3), normal = In("normal", Type::Vec3), scale = In("scale", Type::Vec2);
-  if (in == kNone || normal == kNone || scale == kNone) return false;
-  const Id direction = e_.Arithmetic("subtract", {e_.Arithmetic("multiply", {in, e_.Number(2)}), e_.Number(1)});
-  // A straight normal, however it is spelled, is no normal map at all.
-  if (e_.IsLiteral(direction)) {
-    const Constant& d = e_[direction].value;
-    if (d[0] == 0 && d[1] == 0 && d[2] > 0) return Number(result, normal);
-  }
-  const Id uv = UvOf(in);
-  const auto tangent = [&](std::string_view name) {
-    const Id given = In(name, Type::Vec3);
-    const bool isDefault = given == kNone || e_[given].op->name == name;
-    if (!isDefault) return given;
-    if (uv == kNone) return b_.TextureCoordinates(name, "st", e_.Literal(Type::Vec2, {}));
-    return e_.Make(name, Type::Vec3, {e_.Make("uv_frame", Type::Frame, {uv})});
-  };
-  const Id t = tangent("tangent"), b = tangent("bitangent");
-  return Number(result, e_.Make("normalmap", Type::Vec3, {direction, scale, normal, t, b}));
 }
 
 bool NodeEvaluator::EvaluateMicrofacet(Port* result) {

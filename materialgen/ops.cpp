@@ -153,18 +153,27 @@ const Op kOps[] = {
     {"one_alpha", "vec2($0)"},
     {"faced_ior", "sp.frontFacing ? $0 : 1.0 / $0", nullptr, nullptr, true},
     // What a material reads at a hit. The text of a primvar reader is the primvar's name.
-    {"position_world", "sp.positionWorld"}, {"position_object", "sp.positionObject"},
-    {"normal_world", "sp.normalWorld"}, {"view", "-sp.wo"}, {"time", "sp.time"},
+    {"position_world", "patternWorldPosition(sp)"}, {"position_object", "sp.positionObject"},
+    {"normal_world", "sp.normalWorld"}, {"view", "-sp.wo"}, {"time", "frameSeconds()"}, {"frame_number", "frameNumber()"},
     {"primvar", ""},
+    // The same a step along an edge of the triangle, 1 or 2.
+    {"primvar_moved1", ""}, {"primvar_moved2", ""}, {"uv_moved", "patternUvMoved(sp, $0, $tu)"},
+    {"position_world_moved", "patternWorldMoved(sp, $tu)"}, {"position_object_moved", "patternObjectMoved(sp, $tu)"},
+    {"height_to_normal", "patternHeightToNormal($0, $1, $2, $3, $4, $5, $6)"},
+    {"soft_step", "patternSoftStep($0, $1, $2)"},
     // Texture coordinates: one fetch serves the value, its footprint and the tangents.
     {"uv", "patternUv(sp, $s, $0)"}, {"uv_value", "$0.uv"}, {"footprint", "$0.footprint"},
     {"uv_frame", "patternUvFrame(sp, $0)"}, {"tangent", "$0.x"}, {"bitangent", "$0.y"},
+    {"footprint_world", "sp.footprint"}, {"footprint_object", "patternObjectFootprint(sp)"},
     {"to_object_normal", "worldToObjectNormal(sp, $0)"}, {"to_object_vector", "worldToObjectVector(sp, $0)"},
-    {"to_object_point", "worldToObjectPoint(sp, $0)"}, {"to_world_normal", "objectToWorldNormal(sp, $0)"},
-    {"to_world_vector", "objectToWorldVector(sp, $0)"}, {"to_world_point", "objectToWorldPoint(sp, $0)"},
+    {"to_object_point", "worldToObjectPoint(sp, $0 - sceneOrigin())"}, {"to_world_normal", "objectToWorldNormal(sp, $0)"},
+    {"to_world_vector", "objectToWorldVector(sp, $0)"}, {"to_world_point", "(objectToWorldPoint(sp, $0) + sceneOrigin())"},
     {"normalmap", "patternNormalMap($0, $1, $2, $3, $4)"},
     // texture, uv, footprint, outside, fallback; text: the wrap modes.
     {"image", "patternImage($0, $1, $2, $t, $3, $4)"},
+    // texture, uv, footprint, amounts, ranges, ...: see lib/hextile.glsl.
+    {"hextiles", "hexTiledImage($0, $1, $2, $3, $4, $5, $6, $7)"},
+    {"hextiled_normal", "hexTiledNormal($0, $1, $2, $3, $4, $5, $6, $7, $8, $9)"},
     // Library code: an inline expression, or a call with its outputs.
     {"inline", ""}, {"call", ""}, {"output", ""},
     // Closures.

@@ -50,7 +50,7 @@ std::vector<Id> Live(const Expressions& e, const std::vector<Id>& roots) {
 }
 
 bool ReadsPrimvar(const Expression& expression) {
-  return expression.op->name == "primvar" || expression.op->name == "uv";
+  return expression.op->name.substr(0, 7) == "primvar" || expression.op->name == "uv";
 }
 
 // How often an argument's text appears, so that nothing costly is written twice.
@@ -199,10 +199,11 @@ Printer::Printed Printer::Write(const Expression& expression) {
     return list;
   };
   if (op == "construct") return {std::string(GlslName(expression.type)) + "(" + join(0) + ")"};
-  if (op == "primvar") {
+  if (op.substr(0, 7) == "primvar") {
+    const std::string point = op == "primvar" ? "sp" : "patternMoved(sp, " + std::string(op.substr(13)) + "u)";
     const Type type = expression.type == Type::Int || expression.type == Type::Bool ? Type::Float : expression.type;
     const std::string suffix = type == Type::Float ? "Float" : "Vec" + std::to_string(Components(type));
-    return {"primvar" + suffix + "(sp, " + std::to_string(layout_.SlotOf(expression.text)) + "u, " + a[0] + ")"};
+    return {"primvar" + suffix + "(" + point + ", " + std::to_string(layout_.SlotOf(expression.text)) + "u, " + a[0] + ")"};
   }
   if (op == "inline") return {Substitute(expression, expression.text, a), true};
   if (op == "albedo" || op == "throughput") {
@@ -273,6 +274,7 @@ void Printer::Print(Id id) {
     texts_[id] = {texts_.at(expression.arguments[0]).text + "_" + expression.text};
     return;
   }
+  if (op.substr(0, 7) == "hextile") callsHexTiles_ = true;
   if (op == "inline" && expression.text.find("mx_") != std::string::npos) callsLibrary_ = true;
   Printed printed = Write(expression);
   const bool isCheap = op == "swizzle" || op == "uv_value" || op == "footprint" || op == "tangent" ||

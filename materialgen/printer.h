@@ -31,6 +31,7 @@ class Printer {
   std::string TextAs(Id id, Type type) const;
   const std::set<std::string>& LobeFiles() const { return lobeFiles_; }
   bool CallsLibrary() const { return callsLibrary_; }
+  bool CallsHexTiles() const { return callsHexTiles_; }
 
  private:
   struct Printed {
@@ -53,7 +54,7 @@ class Printer {
   std::string parameters_, body_;
   std::set<uint32_t> texels_;
   std::set<std::string> lobeFiles_;
-  bool callsLibrary_ = false;
+  bool callsLibrary_ = false, callsHexTiles_ = false;
   int values_ = 0, frames_ = 0, lobes_ = 0;
 };
 

@@ -62,6 +62,7 @@ struct RenderSettings {
   uint32_t poolSize = 0;                   // paths; 0: what suits the device
   uint32_t samplesPerBatch = 0;            // samples in flight together; 0: what suits the pool
   uint32_t bandRows = 0;                   // rows of the image held on the device at a time; 0: as many as fit
+  float frame = 1, time = 0;               // frame number and seconds, for the nodes of materials that ask
   float radianceClamp = 0;                 // 0: only the film's stated limit
   bool cameraVisibleDome = true;           // dome lights seen by camera rays
   bool shadows = true;

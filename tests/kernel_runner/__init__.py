@@ -28,6 +28,7 @@ import os
 import sys
 from collections.abc import Mapping, Sequence
 from pathlib import Path
+from types import ModuleType
 
 import numpy as np
 
@@ -111,6 +112,11 @@ def run(
         key: np.frombuffer(data, dtype=array.dtype).reshape(array.shape).copy()
         for (key, array), data in zip(buffers.items(), outputs, strict=True)
     }
+
+
+def native() -> ModuleType:
+    """The compiled module itself, for what has no friendly half."""
+    return _native
 
 
 def validation_messages() -> list[str]:

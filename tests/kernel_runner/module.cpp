@@ -182,11 +182,13 @@ std::vector<uint32_t> Words(const nb::bytes& spirv) {
 
 void bindBench(nb::module_& module);  // bench_bindings.cpp
 void bindBvh(nb::module_& module);    // bvh_bindings.cpp
-void bindScene(nb::module_& module);  // scene_bindings.cpp
+void bindMaterial(nb::module_& module);  // material_bindings.cpp
+void bindScene(nb::module_& module);     // scene_bindings.cpp
 
 NB_MODULE(_kernel_runner, m) {
   bindBench(m);
   bindBvh(m);
+  bindMaterial(m);
   bindScene(m);
   m.def("compile", [](const std::string& source, const std::string& stage, const std::vector<std::string>& folders) {
     const std::vector<uint32_t> spirv = kernel_runner::CompileGlsl(source, stage, folders);

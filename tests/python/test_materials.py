@@ -134,6 +134,26 @@ def Cube "c" (prepend apiSchemas = ["MaterialBindingAPI"]) { rel material:bindin
     assert preview["diffuseColor"] == (2, 1, 1) and preview["normal"] == (0, 0, 1)
 
 
+def test_a_colour_space_that_nobody_knows_is_said(translated):
+    delegate, diagnostics = translated(
+        """
+def Material "m" {
+    token outputs:surface.connect = </m/p.outputs:surface>
+    def Shader "p" { uniform token info:id = "UsdPreviewSurface"
+        color3f inputs:diffuseColor = (1, 0, 0) (colorSpace = "nowhere")
+        color3f inputs:emissiveColor = (0, 1, 0) (colorSpace = "acescg")
+        token outputs:surface
+    }
+}
+def Cube "c" (prepend apiSchemas = ["MaterialBindingAPI"]) { rel material:binding = </m> }
+""",
+        knows_color_space=lambda space: space == "acescg",
+    )
+    assert delegate.told["/m"][""]["nodes"][0]["parameters"]["diffuseColor"] == (1, 0, 0)
+    said = [(d.code, d.location) for d in diagnostics]
+    assert said == [("color-space-unknown", "/m/p.inputs:diffuseColor")]
+
+
 def test_a_cycle_of_connections_ends(translated):
     delegate, _ = translated(
         """

@@ -111,7 +111,7 @@ def test_bindings_agree():
     assert in_cpp == {number for number, (kind, element) in in_glsl.items() if kind == "Texel" and element == "float"}
     scene = (ROOT / "wavefront/scene/scene_commit.cpp").read_text()
     bound = re.findall(r"\{(\d+), &[\w.]+, Format::(\w+)\}", scene)
-    assert len(bound) == 14
+    assert len(bound) == 15
     for number, texel_format in bound:
         assert ("Uint" in texel_format) == (in_glsl[int(number)][1] == "uint"), (number, texel_format)
     counted = [kind for kind, _ in in_glsl.values()]

@@ -146,6 +146,9 @@ Status PathTracer::WriteFrameConstants() {
   f.flags = (settings_.cameraVisibleDome ? kFrameDomeVisible : 0u) | (settings_.shadows ? kFrameShadows : 0u);
   f.radianceClamp = settings_.radianceClamp;
   f.shutterOpen = camera_.shutterOpen; f.shutterClose = camera_.shutterClose;
+  f.frameNumber = settings_.frame; f.timeSeconds = settings_.time;
+  const auto& o = facts_.origin;
+  f.sceneOrigin = {static_cast<float>(o.x), static_cast<float>(o.y), static_cast<float>(o.z), 0};
   f.poolSize = poolSize_;
   f.bucketCount = bucketCount_;
   f.lightItemCount = facts_.lightItemCount; f.infiniteLightCount = facts_.infiniteLightCount; f.lightCount = facts_.lightCount;

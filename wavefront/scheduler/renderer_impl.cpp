@@ -41,7 +41,7 @@ bool SameCamera(const CameraData& a, const CameraData& b) {
 bool SameSettings(const RenderSettings& a, const RenderSettings& b) {
   auto tie = [](const RenderSettings& s) {
     return std::tie(s.width, s.height, s.firstSample, s.samples, s.maxBounces, s.rouletteBounce, s.maxTransparency, s.seed, s.poolSize,
-                    s.samplesPerBatch, s.bandRows, s.radianceClamp, s.cameraVisibleDome, s.shadows, s.aovs, s.primvarAovs);
+                    s.samplesPerBatch, s.bandRows, s.frame, s.time, s.radianceClamp, s.cameraVisibleDome, s.shadows, s.aovs, s.primvarAovs);
   };
   return tie(a) == tie(b);
 }

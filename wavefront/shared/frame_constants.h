@@ -30,6 +30,8 @@ struct FrameConstants {
   uint flags;               // kFrame*
   float radianceClamp;      // per sample and channel
   float shutterOpen, shutterClose;
+  float frameNumber, timeSeconds;  // what pattern nodes call frame and time
+  vec4 sceneOrigin;         // what positions in kernels are relative to; w unused
 
   uint poolSize;
   uint bucketCount;

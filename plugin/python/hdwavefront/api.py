@@ -217,6 +217,7 @@ class Render:
             refine_level=self._refine_level,
             material_purpose=material_purpose,
             convert_color=self.colors.convert_color,
+            knows_color_space=self.colors.knows,
         )
         self._sink.begin()
         transform = self._sync_camera(purposes)
@@ -291,6 +292,9 @@ class Render:
                 aovs=self.aovs,
             )
         self.delegate.set_setting("domeLightCameraVisibility", self._dome_visible)
+        if not self.time.IsDefault():
+            self.delegate.set_setting("frame", float(self.time.GetValue()))
+            self.delegate.set_setting("time", float(self.time.GetValue() / self.stage.GetTimeCodesPerSecond()))
         for token, value in settings.settings.items():
             try:
                 self.delegate.set_setting(token, value)

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the hdWavefront authors
 // What generated materials call besides the readers of geometry.glsl and textures.glsl: pattern nodes that are ours,
-// frames of closures, and the weighting of lobes.
+// frames of closures, and the weighting of lobes. After lib/frame_values.glsl or what stands for it.
 #ifndef WAVEFRONT_LIB_PATTERN_GLSL
 #define WAVEFRONT_LIB_PATTERN_GLSL
 #include "lib/frame.glsl"
@@ -64,6 +64,50 @@ Frame patternUvFrame(ShadingPoint sp, PatternUv u) {
     }
   }
   return frame;
+}
+
+vec3 patternWorldPosition(ShadingPoint sp) { return sp.positionWorld + sceneOrigin(); }
+
+// Derivatives over the surface: values at the hit are compared with those a step further along an edge (1 or 2) of the
+// triangle. A step is as wide as the ray cone, but at least a thousandth of the edge, so that rounding does not show.
+float patternStep(ShadingPoint sp, uint edge) {
+  float whole = length(edge == 1u ? gEdge1World : gEdge2World);
+  return whole > 0.0 ? clamp(sp.footprint / whole, 1e-3, 0.25) : 1e-3;
+}
+vec2 patternUvMoved(ShadingPoint sp, PatternUv u, uint edge) {
+  return u.uv + patternStep(sp, edge) * (edge == 1u ? u.along1 : u.along2);
+}
+vec3 patternWorldMoved(ShadingPoint sp, uint edge) {
+  return patternWorldPosition(sp) + patternStep(sp, edge) * (edge == 1u ? gEdge1World : gEdge2World);
+}
+vec3 patternObjectMoved(ShadingPoint sp, uint edge) {
+  return sp.positionObject + patternStep(sp, edge) * ((edge == 1u ? gCorner1 : gCorner2) - gCorner0);
+}
+ShadingPoint patternMoved(ShadingPoint sp, uint edge) {
+  float amount = patternStep(sp, edge);
+  sp.barycentric += edge == 1u ? vec2(amount, 0.0) : vec2(0.0, amount);
+  return sp;
+}
+float patternObjectFootprint(ShadingPoint sp) {
+  float world = length(gEdge1World);
+  return world > 0.0 ? sp.footprint * length(gCorner1 - gCorner0) / world : 0.0;
+}
+
+// MaterialX heighttonormal: the normal of the surface (u, v, scale / 16 * height), encoded from 0 to 1. Heights and
+// texture coordinates at the hit and at two steps from it.
+vec3 patternHeightToNormal(float h, float h1, float h2, vec2 uv, vec2 uv1, vec2 uv2, float scale) {
+  vec2 along1 = uv1 - uv, along2 = uv2 - uv;
+  vec2 rise = vec2(h1 - h, h2 - h) * (scale * (1.0 / 16.0));
+  vec3 n = cross(vec3(along1, rise.x), vec3(along2, rise.y));
+  float l2 = dot(n, n);
+  if (l2 <= 1e-30) n = vec3(0.0, 0.0, 1.0);
+  return normalize(n.z < 0.0 ? -n : n) * 0.5 + 0.5;
+}
+
+// 0 below the edge and 1 above it, over a width of one footprint on either side.
+float patternSoftStep(float edge, float value, float footprint) {
+  float width = max(footprint, 1e-6);
+  return smoothstep(edge - width, edge + width, value);
 }
 
 // A normal in tangent space, components from -1 to 1.

@@ -9,4 +9,9 @@
 #include "lib/geometry.glsl"
 #include "lib/textures.glsl"
 
+// A mesh is displaced once, whatever the frame; the generator says so to who asks.
+float frameNumber() { return 1.0; }
+float frameSeconds() { return 0.0; }
+vec3 sceneOrigin() { return vec3(0.0); }
+
 layout(local_size_x = 64) in;

@@ -7,6 +7,7 @@
 #include "lib/queue.glsl"
 #include "lib/sampler.glsl"
 #include "lib/frame.glsl"
+#include "lib/frame_values.glsl"
 #include "lib/shading_point.glsl"
 #include "lib/geometry.glsl"
 #include "lib/textures.glsl"

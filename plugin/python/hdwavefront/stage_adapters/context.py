@@ -40,6 +40,7 @@ class Options:
     render_contexts: tuple[str, ...] = ("wavefront", "mtlx", "")
     # Colour (r, g, b) of a named colour space ("" where nothing is authored) to the rendering colour space.
     convert_color: Callable[[Any, str], Any] = field(default=lambda rgb, space: rgb)
+    knows_color_space: Callable[[str], bool] = field(default=lambda space: True)
 
 
 @dataclass(frozen=True, slots=True)

@@ -9,6 +9,7 @@ from typing import Any
 from pxr import Usd, UsdGeom, UsdLux
 
 from .assets import asset_value
+from .colors import rendering_color
 from .context import PrimContext, Translation, Update, matrix_array, schema_type
 
 LIGHT_TYPES = {
@@ -54,7 +55,7 @@ def _color(translation: Translation, prim: Usd.Prim, name: str) -> tuple[float, 
     value = attribute.Get(translation.time) if attribute else None
     if value is None:
         return None
-    return translation.options.convert_color(tuple(map(float, value)), attribute.GetColorSpace())
+    return rendering_color(translation, tuple(map(float, value)), attribute)
 
 
 def _shaping(translation: Translation, prim: Usd.Prim) -> Update:

@@ -13,6 +13,7 @@ import numpy as np
 from pxr import Gf, Sdf, Usd, UsdShade
 
 from .assets import asset_value
+from .colors import rendering_color
 from .context import Translation, Update
 
 _VECTORS = (Gf.Vec2f, Gf.Vec3f, Gf.Vec4f, Gf.Vec2d, Gf.Vec3d, Gf.Vec4d, Gf.Vec2h, Gf.Vec3h, Gf.Vec4h)
@@ -93,8 +94,7 @@ class _Network:
             components = tuple(float(x) for x in value)
             role = shader_input.GetTypeName().role or type_name.role
             if role == Sdf.ValueRoleNames.Color and len(components) >= 3:
-                rgb = self.translation.options.convert_color(components[:3], str(attribute.GetColorSpace()))
-                components = (*rgb, *components[3:])
+                components = (*rendering_color(self.translation, components[:3], attribute), *components[3:])
             return components
         if isinstance(value, _MATRICES):
             return tuple(float(x) for x in np.asarray(value).reshape(-1))
