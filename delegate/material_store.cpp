@@ -123,6 +123,8 @@ void MaterialStore::Generate() {
     const auto start = std::chrono::steady_clock::now();
     const materialgen::MaterialNetwork* network = ChooseNetwork(material.path, material.update, generator_, sink_);
     material.hasNetwork = network != nullptr;
+    for (const auto& [context, candidate] : material.update.contexts)
+      if (&candidate == network) material.context = context;
     material.compiled = network ? generator_.Generate(*network, messages) : materialgen::CompiledMaterial();
     const materialgen::MaterialNetwork* displacement = ChooseDisplacement(material.update);
     material.displaced =
@@ -283,6 +285,25 @@ std::vector<std::string> MaterialStore::MaterialsOf(const std::string& kernelKey
   for (const auto& [path, material] : materials_)
     if (material->compiled.kernel && material->compiled.kernel->key == kernelKey) paths.push_back(path);
   return paths;
+}
+
+std::optional<MaterialExplanation> MaterialStore::Explain(const std::string& path) const {
+  std::lock_guard lock(mutex_);
+  const auto found = materials_.find(path);
+  if (found == materials_.end() || !found->second->compiled.kernel) return std::nullopt;
+  const Material& material = *found->second;
+  MaterialExplanation facts;
+  facts.context = material.context;
+  for (const auto& [context, network] : material.update.contexts)
+    if (context == material.context) facts.network = network;
+  facts.kernelKey = material.compiled.kernel->key;
+  facts.closureTree = material.compiled.closureTree;
+  for (const materialgen::ParameterSlot& slot : material.compiled.slots) {
+    if (slot.isTexture || slot.offset + slot.components > material.compiled.parameters.size()) continue;
+    const auto first = material.compiled.parameters.begin() + slot.offset;
+    facts.parameters.push_back({slot.node, slot.input, {first, first + slot.components}});
+  }
+  return facts;
 }
 
 std::shared_ptr<const materialgen::KernelSource> MaterialStore::SourceOf(const std::string& path) const {

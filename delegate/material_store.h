@@ -7,10 +7,12 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "delegate/displacement.h"
+#include "delegate/material_explanation.h"
 #include "delegate/prims/material.h"
 #include "delegate/textures.h"
 #include "materialgen/spirv_cache.h"
@@ -54,6 +56,8 @@ class MaterialStore {
   };
   const std::map<std::string, Kernel>& kernels() const { return kernels_; }
   std::vector<std::string> MaterialsOf(const std::string& kernelKey) const;
+  // What became of a material; nothing: there is none of that path, or it shows the default.
+  std::optional<MaterialExplanation> Explain(const std::string& path) const;
   std::shared_ptr<const materialgen::KernelSource> SourceOf(const std::string& path) const;
   std::shared_ptr<const materialgen::KernelSource> DisplacementSourceOf(const std::string& path) const;
 
@@ -64,6 +68,7 @@ class MaterialStore {
     bool dirty = true;               // the network changed
     bool stale = false;              // compiled changed, the core has not seen it
     bool hasNetwork = false;
+    std::string context;             // of the network
     double generateMilliseconds = 0;
     materialgen::CompiledMaterial compiled, displaced;  // of the surface's and the displacement's terminal
     std::vector<uint32_t> textureKeys, displacementKeys;  // by the textures of either

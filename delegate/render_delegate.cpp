@@ -84,6 +84,7 @@ wavefront::Result<std::unique_ptr<RenderDelegate>> RenderDelegate::Create(const 
   rendererOptions.validation = options.validation;
   rendererOptions.memoryBudget = options.memoryBudget;
   rendererOptions.threads = options.threads;
+  rendererOptions.cacheFolder = materialgen::CacheFolder();
   // The log is kept alive by the sink: the renderer may report to its last breath.
   rendererOptions.diagnostics = [log](const wavefront::Diagnostic& diagnostic) { log->Add(diagnostic); };
   auto renderer = wavefront::Renderer::Create(rendererOptions);
@@ -344,6 +345,9 @@ std::vector<RenderDelegate::KernelUse> RenderDelegate::kernelUses() const {
     use.firstDispatchMilliseconds += kernel.firstDispatchMilliseconds;
     use.codeFromCache = use.codeFromCache || kernel.codeFromCache;
     use.spirvBytes += kernel.spirvBytes;
+    use.spirvInstructions += kernel.spirvInstructions;
+    const std::string entry = kernel.name.substr(last + 1);
+    for (const std::string& statistic : kernel.driverStatistics) use.driverStatistics.push_back(entry + ": " + statistic);
     use.milliseconds += kernel.milliseconds;
     use.paths += kernel.items;
   }
@@ -352,6 +356,10 @@ std::vector<RenderDelegate::KernelUse> RenderDelegate::kernelUses() const {
     if (total > 0) use.share = use.milliseconds / total;
   }
   return uses;
+}
+
+std::optional<MaterialExplanation> RenderDelegate::ExplainMaterial(const std::string& path) const {
+  return impl_->materials.Explain(path);
 }
 
 std::vector<std::pair<std::string, std::string>> RenderDelegate::MaterialSource(const std::string& path) const {

@@ -22,6 +22,7 @@
 #include <vector>
 
 #include "delegate/diagnostics.h"
+#include "delegate/material_explanation.h"
 #include "delegate/prims/camera.h"
 #include "delegate/prims/gprim.h"
 #include "delegate/prims/instancer.h"
@@ -135,7 +136,8 @@ class RenderDelegate {
     std::string state = "unused";
     double codeMilliseconds = 0, createMilliseconds = 0, firstDispatchMilliseconds = 0;
     bool codeFromCache = false;
-    uint64_t spirvBytes = 0;
+    uint64_t spirvBytes = 0, spirvInstructions = 0;
+    std::vector<std::string> driverStatistics;
     double milliseconds = 0;         // on the device
     uint64_t paths = 0;              // work items
     double nanosecondsPerPath = 0;   // 0: no path yet
@@ -144,6 +146,7 @@ class RenderDelegate {
   std::vector<KernelUse> kernelUses() const;
   // GLSL of a material's kernel entries, for inspection; empty: unknown path or not generated yet. Not while
   // committing.
+  std::optional<MaterialExplanation> ExplainMaterial(const std::string& path) const;
   std::vector<std::pair<std::string, std::string>> MaterialSource(const std::string& path) const;
 
  private:

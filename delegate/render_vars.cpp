@@ -41,6 +41,7 @@ std::string AovTokenOfVar(const std::string& sourceName, const std::string& sour
 std::vector<std::string> AovChannels(const std::string& token) {
   if (token == "color") return {"R", "G", "B", "A"};
   if (token == "sampleCount") return {token + ".samples"};
+  if (token == "materialCost") return {token + ".ns"};
   const wavefront::AovInfo* info = wavefront::FindAov(token);
   const bool isInt = info && info->format == wavefront::AovFormat::Int32;
   const uint32_t components = info ? info->components : 3;  // primvars

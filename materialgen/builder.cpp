@@ -6,6 +6,8 @@
 #include <cmath>
 #include <cstdlib>
 
+#include "materialgen/closure_text.h"
+
 namespace materialgen {
 namespace {
 
@@ -145,6 +147,7 @@ Material Builder::Build() {
     }
   }
   Material material;
+  material.closureTree = ClosureText(e_, bsdfs_, surface.bsdf);
   material.closure = Linearise(&e_, bsdfs_, surface.bsdf);
   if (surface.isThinWalled) material.closure.extinction = kNone;
   material.facts = {material.closure.transmits, surface.isThinWalled};

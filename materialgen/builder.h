@@ -44,6 +44,7 @@ struct Material {
   SurfaceFacts facts;
   Id opacity = kNone;  // Surface's, before pass-through
   Id emission = kNone;
+  std::string closureTree;  // in words
   Id displacement = kNone;  // of BuildDisplacement only: by how much a point moves, in object space
 };
 

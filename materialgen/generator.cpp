@@ -100,6 +100,7 @@ class GeneratorImpl final : public Generator {
       CompiledMaterial result;
       const bool isNothing = !isSurface && material.displacement == kNone;
       if (!isTooLarge && !isNothing) result = Emit(&expressions, material, functions);
+      result.closureTree = material.closureTree;
       if (!isSurface && (isTooLarge || (result.kernel && result.kernel->displacement.size() > kMaximumSource))) {
         messages.push_back({Severity::Error, "material-too-large", network.path,
                             "the displacement is too large to compile; the surface is not displaced"});

@@ -61,6 +61,7 @@ struct CompiledMaterial {
   std::vector<float> parameters;      // size a multiple of 4 (texels of 4 floats)
   std::vector<ParameterSlot> slots;
   std::vector<TextureRequest> textures;
+  std::string closureTree;            // in words, for explain
 };
 
 // Thread-safe: Generate may be called from several threads. Libraries are loaded once (about 0.1 s).

@@ -62,17 +62,22 @@ std::string HashOf(std::string_view text) {
 SpirvCache::SpirvCache(std::string folder, uint64_t maximumBytes)
     : folder_(std::move(folder)), maximumBytes_(maximumBytes) {}
 
-std::string SpirvCache::DefaultFolder() {
+std::string CacheFolder() {
   const auto environment = [](const char* name) {
     const char* text = std::getenv(name);
     return std::string(text != nullptr ? text : "");
   };
   const std::string own = environment("HDWAVEFRONT_CACHE_DIR");
   if (own == "off") return {};
-  if (!own.empty()) return own + "/spirv";
+  if (!own.empty()) return own;
   const std::string xdg = environment("XDG_CACHE_HOME"), home = environment("HOME");
-  if (!xdg.empty()) return xdg + "/hdwavefront/spirv";
-  return home.empty() ? std::string() : home + "/.cache/hdwavefront/spirv";
+  if (!xdg.empty()) return xdg + "/hdwavefront";
+  return home.empty() ? std::string() : home + "/.cache/hdwavefront";
+}
+
+std::string SpirvCache::DefaultFolder() {
+  const std::string folder = CacheFolder();
+  return folder.empty() ? folder : folder + "/spirv";
 }
 
 std::string SpirvCache::FileOf(std::string_view source) const {

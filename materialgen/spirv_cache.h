@@ -13,6 +13,10 @@
 
 namespace materialgen {
 
+// Of all that is kept for the next run: $HDWAVEFRONT_CACHE_DIR ("off": nothing is kept, empty), else
+// $XDG_CACHE_HOME/hdwavefront, else ~/.cache/hdwavefront.
+std::string CacheFolder();
+
 // Thread-safe. Trouble with the disk is never an error: an entry that cannot be read is compiled anew, one that cannot be
 // written is not kept; `trouble` says so.
 class SpirvCache {
@@ -21,7 +25,7 @@ class SpirvCache {
 
   // An empty folder: off. `maximumBytes`: when entries take more, the ones used least recently go.
   explicit SpirvCache(std::string folder, uint64_t maximumBytes = kDefaultBytes);
-  // $HDWAVEFRONT_CACHE_DIR ("off": none), else $XDG_CACHE_HOME/hdwavefront, else ~/.cache/hdwavefront; and spirv/ in it.
+  // spirv/ in CacheFolder().
   static std::string DefaultFolder();
 
   const std::string& folder() const { return folder_; }

@@ -46,7 +46,8 @@ struct RendererOptions {
   std::string device;          // index or part of the name; empty: HDWAVEFRONT_DEVICE, else the best one
   bool validation = false;     // also HDWAVEFRONT_VALIDATION=1
   uint64_t memoryBudget = 0;   // bytes; 0: what the device offers
-  uint32_t threads = 0;        // host threads for BVH builds; 0: all
+  uint32_t threads = 0;        // host threads for BVH builds and for compiling kernels; 0: all
+  std::string cacheFolder;     // where drivers' pipeline caches are kept; empty: nowhere
   DiagnosticSink diagnostics;  // may be called from any thread
 };
 
@@ -88,7 +89,8 @@ struct KernelStats {
   double codeMilliseconds = 0;  // GLSL to SPIR-V, or reading it from the cache; 0 for fixed kernels
   bool codeFromCache = false;
   double createMilliseconds = 0, firstDispatchMilliseconds = 0;  // the driver's part
-  uint64_t spirvBytes = 0;
+  uint64_t spirvBytes = 0, spirvInstructions = 0;
+  std::vector<std::string> driverStatistics;  // "name: value", with HDWAVEFRONT_DRIVER_STATISTICS=1 where the driver has them
 };
 struct QueueStats { std::string name; uint64_t items = 0, peak = 0; };
 struct RenderStats {

@@ -19,6 +19,13 @@ constexpr auto kCacheWriteTime = std::chrono::milliseconds(60);
 // A dispatch that found the code in the cache is faster than this.
 constexpr double kCompiledSeconds = 0.025;
 
+// The first word of an instruction has its length in the upper half; the module's head is five words.
+uint64_t CountInstructions(const std::vector<uint32_t>& spirv) {
+  uint64_t count = 0;
+  for (std::size_t at = 5; at < spirv.size(); at += std::max(1u, spirv[at] >> 16)) ++count;
+  return count;
+}
+
 }  // namespace
 
 // A device of this thread's own: one queue compiles serially, several devices compile side by side.
@@ -143,6 +150,7 @@ KernelCompiler::Done KernelCompiler::Compile(const Job& job, std::unique_ptr<War
   done.cost.codeMilliseconds = code.milliseconds;
   done.cost.codeFromCache = code.fromCache;
   done.cost.spirvBytes = code.spirv.size() * 4;
+  done.cost.spirvInstructions = CountInstructions(code.spirv);
   if (code.spirv.empty()) {
     done.error = code.error;
     return done;
@@ -170,6 +178,7 @@ KernelCompiler::Done KernelCompiler::Compile(const Job& job, std::unique_ptr<War
   }
   done.pipeline = std::move(pipeline).value();
   done.cost.createSeconds += done.pipeline->creationSeconds();
+  done.cost.driverStatistics = done.pipeline->DriverStatistics();
   return done;
 }
 

@@ -27,7 +27,8 @@ struct CompileCost {
   bool codeFromCache = false;
   double createSeconds = 0;     // the pipeline's creation, on all devices
   double firstDispatchSeconds = 0;
-  uint64_t spirvBytes = 0;
+  uint64_t spirvBytes = 0, spirvInstructions = 0;
+  std::vector<std::string> driverStatistics;  // where the driver gives them and they are asked for
 };
 
 class KernelCompiler {

@@ -76,7 +76,7 @@ Result<std::unique_ptr<vulkan::ComputePipeline>> KernelRegistry::CreateFixed(Ker
 Status KernelRegistry::WarmUpFixed(vulkan::CommandStream& stream, const vulkan::DescriptorSet& set) {
   if (fixedWarm_) return {};
   for (uint32_t k = 0; k < kKernelCount; ++k) {
-    if (!fixed_[k]) continue;
+    if (!fixed_[k] || k == static_cast<uint32_t>(Kernel::MaterialCost)) continue;  // few renders ask for it
     const auto start = std::chrono::steady_clock::now();
     if (auto free = stream.Wait(stream.nextFreeAt()); !free) return free.error();
     if (Status s = stream.Begin(); !s) return s;

@@ -28,8 +28,10 @@ constexpr uint32_t kKernelCount = static_cast<uint32_t>(Kernel::kCount);
 struct KernelTimes {
   std::string name;
   CompileCost compile;
-  double seconds = 0;       // on the device
+  double seconds = 0;       // on the device, for the image that is being rendered
   uint64_t dispatches = 0;
+  double measuredSeconds = 0;     // of a bucket's own kernel, over all images
+  uint64_t measuredItems = 0;
 };
 
 class KernelRegistry {
@@ -56,6 +58,11 @@ class KernelRegistry {
   // Buckets that Adopt has not handed out yet, and those of them whose compiling is over.
   uint32_t pending() const { return pending_; }
   uint32_t finished() const { return compiler_ ? static_cast<uint32_t>(compiler_->finished()) : 0u; }
+  // What one path of a bucket takes, measured so far, over all renders; 0: not known.
+  float NanosecondsPerPath(uint32_t bucket) const {
+    const KernelTimes& times = times_[kKernelCount + bucket];
+    return times.measuredItems == 0 ? 0.0f : static_cast<float>(times.measuredSeconds * 1e9 / static_cast<double>(times.measuredItems));
+  }
   // The driver compiles, or reads its cache, at a pipeline's first dispatch.
   bool compilesAtDispatch() const { return compiler_ && compiler_->driverCompile() != vulkan::DriverCompile::AtCreation; }
   // Until Adopt has something, or the time is over. Any thread, while no Order runs.

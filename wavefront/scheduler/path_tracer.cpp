@@ -21,6 +21,8 @@ constexpr uint32_t kTimestamps = 4096;
 constexpr double kTargetSubmitSeconds = 0.05;
 constexpr uint32_t kMaxIterationsPerSubmit = 32;
 constexpr std::chrono::milliseconds kRestartInterval{400};
+// Submits after which most kernels have been measured, and a film with materialCost starts anew.
+constexpr uint32_t kCostSubmits = 6;
 
 constexpr uint32_t kPathChunks = 0
 #define WAVEFRONT_PATH_CHUNK(Name, index, doc) +1
@@ -115,6 +117,7 @@ Status PathTracer::Configure(const RenderSettings& settings, const CameraData& c
   // Ordered first: they compile while the fixed ones are warmed up.
   kernels_->Order(scene.materials.buckets(), scene.usedBuckets(), threads);
   runs_.assign(scene.materials.buckets().size(), {});
+  costsMeasured_ = false;
   return kernels_->WarmUpFixed(*stream_, *set_);
 }
 
@@ -158,7 +161,7 @@ Status PathTracer::WriteFrameConstants() {
   f.albedoChannel = film_.of(Aov::Albedo); f.normalChannel = film_.of(Aov::Normal);
   f.depthChannel = film_.of(Aov::Depth); f.cameraDepthChannel = film_.of(Aov::CameraDepth);
   f.primIdChannel = film_.of(Aov::PrimId); f.instanceIdChannel = film_.of(Aov::InstanceId); f.elementIdChannel = film_.of(Aov::ElementId);
-  f.neyeChannel = film_.of(Aov::Neye);
+  f.neyeChannel = film_.of(Aov::Neye); f.costChannel = film_.of(Aov::MaterialCost);
   f.primvarChannel = film_.of(Aov::Primvar0);
   f.primvarAovCount = f.primvarChannel == kNoChannel ? 0u : static_cast<uint32_t>(settings_.primvarAovs.size());
   return frame_->Upload(0, std::as_bytes(std::span(&f, 1)));
@@ -176,6 +179,7 @@ Status PathTracer::BeginBand(uint32_t band) {
     before_ = {};
     status_ = {};
     for (BucketRun& run : runs_) run.standInRan = false;
+    for (KernelTimes& times : kernels_->times()) times.seconds = 0, times.dispatches = 0;
   }
   else before_ = status_;
   status_.drained = false;
@@ -186,6 +190,9 @@ Status PathTracer::BeginBand(uint32_t band) {
   stalled_ = false;
   ++kernelEpoch_;
   holds_.assign(runs_.size(), 0);
+  costs_.assign(runs_.size(), 0.0f);
+  costSubmits_ = 0;
+  bandItems_.assign(bucketCount_, 0);
   if (Status s = BeginRecording(); !s) return s;
   stream_->Fill(*filmSums_, 0, 0, 0);
   // FirstSample channels start at their AOV's clear value.
@@ -234,6 +241,7 @@ void PathTracer::RecordIteration(std::vector<uint32_t>* rows) {
   queue(Kernel::LightSample, Queue::LightSample);
   queue(Kernel::Escape, Queue::Escape);
   indirect(Kernel::Scatter, kPoolArgs);
+  if (film_.of(Aov::MaterialCost) != kNoChannel) indirect(Kernel::MaterialCost, kPoolArgs);
   // New paths and all materials between two barriers.
   stream_->BindPipeline(kernels_->fixed(Kernel::NewPath));
   stream_->DispatchIndirect(*counters_, 4ull * (kBucketBase + kBucketNewPath * kBucketStride + kBucketArgs));
@@ -289,7 +297,10 @@ Status PathTracer::AdoptKernels(const DiagnosticSink& sink, bool* restart) {
   if (adopted.empty()) return {};
   ++kernelEpoch_;
   stalled_ = false;
+  costSubmits_ = 0;
   for (uint32_t b : adopted) {
+    KernelTimes& times = kernels_->times()[kKernelCount + b];
+    times.measuredSeconds = 0, times.measuredItems = 0;  // a stand-in's
     if (kernels_->bucket(b) != nullptr && kernels_->compilesAtDispatch()) fresh_.push_back(kernels_->bucket(b));
     if (!runs_[b].standInRan) continue;
     if (Status s = Drain(); !s) return s;
@@ -324,12 +335,26 @@ void PathTracer::RecordHolds() {
     stream_->Update(*counters_, 4ull * (kBucketBase + (b + kFirstMaterialBucket) * kBucketStride + kBucketHold), std::as_bytes(std::span(&hold, 1)));
     changed = true;
   }
+  for (std::size_t b = 0; b < runs_.size() && film_.of(Aov::MaterialCost) != kNoChannel; ++b) {
+    const float cost = kernels_->NanosecondsPerPath(static_cast<uint32_t>(b));
+    if (cost == costs_[b]) continue;
+    costs_[b] = cost;
+    stream_->Update(*counters_, 4ull * (kBucketBase + (b + kFirstMaterialBucket) * kBucketStride + kBucketCost), std::as_bytes(std::span(&cost, 1)));
+    changed = true;
+  }
   if (changed) stream_->Barrier();
+}
+
+// materialCost: the first paths meet kernels that nothing is known of, so the film starts anew, once, after some submits.
+bool PathTracer::MeasureCosts() {
+  if (film_.of(Aov::MaterialCost) == kNoChannel || costsMeasured_) return false;
+  costsMeasured_ = status_.drained || (kernels_->pending() == 0 && costSubmits_ > kCostSubmits);
+  return costsMeasured_;
 }
 
 Status PathTracer::Step(const DiagnosticSink& sink, Progress* progress) {
   *progress = Progress::Going;
-  bool restart = false;
+  bool restart = MeasureCosts();
   if (Status s = AdoptKernels(sink, &restart); !s) return s;
   if (restart) {
     *progress = Progress::Restart;
@@ -347,6 +372,10 @@ Status PathTracer::Step(const DiagnosticSink& sink, Progress* progress) {
   if (status_.drained) {
     if (batchEnd_ >= settings_.firstSample + settings_.samples) {
       if (Status s = Drain(); !s) return s;
+      if (MeasureCosts()) {
+        *progress = Progress::Restart;
+        return {};
+      }
       // A picture with stand-ins in it is never done.
       stalled_ = StandInsInFilm();
       *progress = stalled_ ? Progress::Waiting : Progress::Done;
@@ -384,6 +413,7 @@ Status PathTracer::Step(const DiagnosticSink& sink, Progress* progress) {
   if (!value) return value.error();
   slot.value = value.value();
   ++submits_;
+  ++costSubmits_;
   nextSlot_ = (nextSlot_ + 1) % kSlots;
   return {};
 }
@@ -398,7 +428,9 @@ Status PathTracer::Collect(std::size_t index) {
   if (count.ok() && count.value() > 1) {
     for (uint32_t i = 1; i < count.value(); ++i) {
       KernelTimes& times = kernels_->times()[slot.rows[i - 1]];
-      times.seconds += std::max(0.0, timestamps_[i] - timestamps_[i - 1]) * 1e-9;
+      const double passed = std::max(0.0, timestamps_[i] - timestamps_[i - 1]) * 1e-9;
+      times.seconds += passed;
+      times.measuredSeconds += passed;
       ++times.dispatches;
     }
     // Aim at a submit that is long enough to hide its cost and short enough to answer the host.
@@ -438,7 +470,10 @@ void PathTracer::ReadStatus(const uint32_t* c) {
   status_.bucketPeak.resize(bucketCount_);
   for (uint32_t b = 0; b < bucketCount_; ++b) {
     const uint64_t earlier = b < before_.bucketItems.size() ? before_.bucketItems[b] : 0;
-    status_.bucketItems[b] = earlier + u64(kBucketBase + b * kBucketStride + kBucketItemsLo);
+    const uint64_t items = u64(kBucketBase + b * kBucketStride + kBucketItemsLo);
+    status_.bucketItems[b] = earlier + items;
+    if (b >= kFirstMaterialBucket) kernels_->times()[kKernelCount + b - kFirstMaterialBucket].measuredItems += items - bandItems_[b];
+    bandItems_[b] = items;
     status_.bucketPeak[b] = std::max(b < before_.bucketPeak.size() ? before_.bucketPeak[b] : 0u, c[kBucketBase + b * kBucketStride + kBucketPeak]);
   }
 }

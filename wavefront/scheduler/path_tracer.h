@@ -92,6 +92,7 @@ class PathTracer {
   Status AdoptKernels(const DiagnosticSink& sink, bool* restart);
   Status ChooseKernels();
   bool StandInsInFilm() const;
+  bool MeasureCosts();
   void RecordHolds();
 
   struct InFlight {
@@ -126,6 +127,10 @@ class PathTracer {
   LoopStatus status_, before_;       // before_: sums of earlier bands
   std::vector<BucketRun> runs_;      // by material bucket
   std::vector<uint8_t> holds_;       // as the device has them
+  std::vector<float> costs_;         // likewise, nanoseconds a path; kept only where the AOV is asked for
+  std::vector<uint64_t> bandItems_;  // by bucket, as the last status had them
+  uint32_t costSubmits_ = 0;         // since the film was cleared
+  bool costsMeasured_ = false;       // the film was cleared after they were
   std::vector<const vulkan::ComputePipeline*> fresh_;  // to be dispatched once with no work
   uint64_t kernelEpoch_ = 0;         // grows with what the device may run
   uint64_t lastProgress_ = 0, lastEpoch_ = 0;

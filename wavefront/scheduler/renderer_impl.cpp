@@ -8,7 +8,9 @@
 #include <cstring>
 
 #include "wavefront/base/parallel.h"
+#include "wavefront/scheduler/pipeline_cache_file.h"
 #include "wavefront/shared/counters_layout.h"
+#include "wavefront/vulkan/driver_compile.h"
 
 namespace wavefront {
 namespace {
@@ -52,7 +54,14 @@ Result<std::unique_ptr<Renderer>> Renderer::Create(const RendererOptions& option
 
 Result<std::unique_ptr<Renderer>> RendererImpl::Make(const RendererOptions& options) {
   std::unique_ptr<RendererImpl> renderer(new RendererImpl(options));
-  auto device = vulkan::Device::Create({options.device, options.validation, options.memoryBudget, false, {}});
+  vulkan::DeviceOptions deviceOptions{options.device, options.validation, options.memoryBudget, false, {}};
+  deviceOptions.pipelineCacheOf = [&](const vulkan::DeviceInfo& info) {
+    std::string ignored;
+    if (vulkan::DriverCompileOf(info, &ignored) == vulkan::DriverCompile::AtCreation)
+      renderer->pipelineCacheFile_ = PipelineCacheFile(options.cacheFolder, info);
+    return ReadPipelineCache(renderer->pipelineCacheFile_);
+  };
+  auto device = vulkan::Device::Create(deviceOptions);
   if (!device) return device.error();
   renderer->device_ = std::move(device).value();
   renderer->scene_ = std::make_unique<SceneStore>(*renderer->device_);
@@ -71,6 +80,10 @@ RendererImpl::~RendererImpl() {
     displacer_.reset();
     tracer_.reset();
     scene_.reset();
+    // Where it cannot be kept, the next run compiles once more.
+    if (!pipelineCacheFile_.empty() && device_) {
+      if (auto data = device_->PipelineCacheData()) (void)WritePipelineCache(pipelineCacheFile_, data.value());
+    }
   }
   --liveRenderers;
 }
@@ -302,7 +315,7 @@ void RendererImpl::Publish() {
   for (const KernelTimes& t : tracer_->kernels().times()) {
     const CompileCost& c = t.compile;
     s.kernels.push_back({t.name, t.seconds * 1e3, 0, t.dispatches, "ready", c.codeMilliseconds, c.codeFromCache, c.createSeconds * 1e3,
-                         c.firstDispatchSeconds * 1e3, c.spirvBytes});
+                         c.firstDispatchSeconds * 1e3, c.spirvBytes, c.spirvInstructions, c.driverStatistics});
   }
   for (std::size_t k = kKernelCount; k < s.kernels.size(); ++k) {
     constexpr const char* kStates[] = {"unused", "compiling", "ready", "failed"};

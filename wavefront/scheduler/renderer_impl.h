@@ -72,6 +72,7 @@ class RendererImpl final : public Renderer {
   double SecondsLocked() const;
 
   RendererOptions options_;
+  std::string pipelineCacheFile_;  // empty: the driver needs none, or there is no folder for it
   std::unique_ptr<vulkan::Device> device_;
   std::unique_ptr<SceneStore> scene_;
   std::unique_ptr<PathTracer> tracer_;

@@ -35,10 +35,10 @@ WF_CONST(kPathsDoneLo, 48u)
 WF_CONST(kPathsDoneHi, 49u)
 WF_CONST(kSegmentsLo, 50u)
 WF_CONST(kSegmentsHi, 51u)
-// Buckets: 10 words each: count, offset in the sorted indices, args x y z, cursor of the scatter, items lo, items hi, peak,
-// and whether its paths are held because its kernel is still being compiled
+// Buckets: 11 words each: count, offset in the sorted indices, args x y z, cursor of the scatter, items lo, items hi, peak,
+// whether its paths are held because its kernel is still being compiled, and what one path of it costs (float, ns)
 WF_CONST(kBucketBase, 64u)
-WF_CONST(kBucketStride, 10u)
+WF_CONST(kBucketStride, 11u)
 WF_CONST(kBucketCount, 0u)
 WF_CONST(kBucketOffset, 1u)
 WF_CONST(kBucketArgs, 2u)
@@ -47,6 +47,7 @@ WF_CONST(kBucketItemsLo, 6u)
 WF_CONST(kBucketItemsHi, 7u)
 WF_CONST(kBucketPeak, 8u)
 WF_CONST(kBucketHold, 9u)
+WF_CONST(kBucketCost, 10u)
 WF_CONST(kBucketNewPath, 0u)     // bucket 0: idle paths; then one bucket per material entry point
 WF_CONST(kFirstMaterialBucket, 1u)
 // Queue items: six arrays of poolSize uints

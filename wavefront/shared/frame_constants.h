@@ -46,7 +46,7 @@ struct FrameConstants {
   uint sumChannels, firstChannels;  // per pixel
   uint colorChannel, countChannel, albedoChannel, normalChannel;
   uint depthChannel, cameraDepthChannel, primIdChannel, instanceIdChannel, elementIdChannel;
-  uint neyeChannel;
+  uint neyeChannel, costChannel;
   uint primvarChannel, primvarAovCount;  // slot i: 3 words from primvarChannel + 3 i
 
   // Camera space; camera rays see points with xyz . p + w >= 0 of the first clipPlaneCount.

@@ -48,6 +48,7 @@ struct Context : std::enable_shared_from_this<Context> {
   VolkDeviceTable vk{};
   VkPhysicalDeviceMemoryProperties memoryProperties{};
   DeviceInfo info;
+  bool capturesStatistics = false;  // pipelines are made so that the driver can tell of them
   bool directWrites = false;  // device memory is written by the host without staging
   VkPipelineCache pipelineCache = VK_NULL_HANDLE;
   std::atomic<int64_t> liveObjects{0};

@@ -23,6 +23,25 @@ Validation WantedValidation(const DeviceOptions& options) {
   return options.validation || (!environment.empty() && environment != "0") ? Validation::On : Validation::Off;
 }
 
+// VK_KHR_pipeline_executable_properties is there, and asked for: it may cost pipeline creation its caches.
+bool CapturesStatistics(VkPhysicalDevice physical) {
+  const std::string wish = Environment("HDWAVEFRONT_DRIVER_STATISTICS");
+  if (wish.empty() || wish == "0") return false;
+  uint32_t count = 0;
+  vkEnumerateDeviceExtensionProperties(physical, nullptr, &count, nullptr);
+  std::vector<VkExtensionProperties> extensions(count);
+  vkEnumerateDeviceExtensionProperties(physical, nullptr, &count, extensions.data());
+  const bool isThere = std::any_of(extensions.begin(), extensions.end(), [](const VkExtensionProperties& e) {
+    return std::string_view(e.extensionName) == VK_KHR_PIPELINE_EXECUTABLE_PROPERTIES_EXTENSION_NAME;
+  });
+  if (!isThere) return false;
+  auto wanted = Struct<VkPhysicalDevicePipelineExecutablePropertiesFeaturesKHR>(
+      VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PIPELINE_EXECUTABLE_PROPERTIES_FEATURES_KHR);
+  auto features = Struct<VkPhysicalDeviceFeatures2>(VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2, &wanted);
+  vkGetPhysicalDeviceFeatures2(physical, &features);
+  return wanted.pipelineExecutableInfo == VK_TRUE;
+}
+
 Status CreateLogicalDevice(Context& context) {
   const float priority = 1;
   auto queue = Struct<VkDeviceQueueCreateInfo>(VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO);
@@ -34,6 +53,17 @@ Status CreateLogicalDevice(Context& context) {
   auto info = Struct<VkDeviceCreateInfo>(VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO, &features.core);
   info.queueCreateInfoCount = 1;
   info.pQueueCreateInfos = &queue;
+  context.capturesStatistics = CapturesStatistics(context.physical);
+  auto statistics = Struct<VkPhysicalDevicePipelineExecutablePropertiesFeaturesKHR>(
+      VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PIPELINE_EXECUTABLE_PROPERTIES_FEATURES_KHR);
+  statistics.pipelineExecutableInfo = VK_TRUE;
+  const char* extension = VK_KHR_PIPELINE_EXECUTABLE_PROPERTIES_EXTENSION_NAME;
+  if (context.capturesStatistics) {
+    statistics.pNext = features.core.pNext;
+    features.core.pNext = &statistics;
+    info.enabledExtensionCount = 1;
+    info.ppEnabledExtensionNames = &extension;
+  }
   const VkResult result = vkCreateDevice(context.physical, &info, nullptr, &context.device);
   if (result != VK_SUCCESS) {
     context.device = VK_NULL_HANDLE;
@@ -93,9 +123,11 @@ Result<std::unique_ptr<Device>> Device::Create(const DeviceOptions& options) {
   context->budget = options.memoryBudgetBytes != 0 ? options.memoryBudgetBytes : LargestLocalHeap(context->info);
   if (Status created = CreateLogicalDevice(*context); !created) return created.error();
 
+  std::vector<std::byte> kept(options.pipelineCache.begin(), options.pipelineCache.end());
+  if (options.pipelineCacheOf) kept = options.pipelineCacheOf(context->info);
   auto cache = Struct<VkPipelineCacheCreateInfo>(VK_STRUCTURE_TYPE_PIPELINE_CACHE_CREATE_INFO);
-  cache.initialDataSize = options.pipelineCache.size();
-  cache.pInitialData = options.pipelineCache.data();
+  cache.initialDataSize = kept.size();
+  cache.pInitialData = kept.data();
   VkResult result = context->vk.vkCreatePipelineCache(context->device, &cache, nullptr, &context->pipelineCache);
   if (result != VK_SUCCESS) return context->Fail("vkCreatePipelineCache", result);
   context->CreateTransfer();

@@ -5,6 +5,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <memory>
 #include <span>
@@ -79,6 +80,8 @@ struct DeviceOptions {
   // Hazards between commands as well ($HDWAVEFRONT_VALIDATION=sync). It sees whole bindings only: kernels that run side
   // by side on different paths of one buffer are a hazard to it, so it is for looking at one place at a time.
   bool synchronizationValidation = false;
+  // In place of `pipelineCache`, when the device is chosen.
+  std::function<std::vector<std::byte>(const DeviceInfo&)> pipelineCacheOf;
 };
 
 // Messages of the validation layer since the process started: warnings and errors, all devices.

@@ -51,6 +51,7 @@ Result<std::unique_ptr<ComputePipeline>> ComputePipeline::Create(Device& device,
   info.stage.pName = desc.entryPoint.c_str();
   info.stage.pSpecializationInfo = entries.empty() ? nullptr : &specialization;
   info.layout = layout.handle();
+  if (context.capturesStatistics) info.flags |= VK_PIPELINE_CREATE_CAPTURE_STATISTICS_BIT_KHR;
   result = context.vk.vkCreateComputePipelines(context.device, context.pipelineCache, 1, &info, nullptr, &pipeline->pipeline_);
   context.vk.vkDestroyShaderModule(context.device, module, nullptr);
   if (result != VK_SUCCESS) {
@@ -60,6 +61,37 @@ Result<std::unique_ptr<ComputePipeline>> ComputePipeline::Create(Device& device,
   context.Name(VK_OBJECT_TYPE_PIPELINE, pipeline->pipeline_, desc.name);
   pipeline->creationSeconds_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return pipeline;
+}
+
+std::vector<std::string> ComputePipeline::DriverStatistics() const {
+  std::vector<std::string> texts;
+  if (!context_->capturesStatistics) return texts;
+  auto info = Struct<VkPipelineInfoKHR>(VK_STRUCTURE_TYPE_PIPELINE_INFO_KHR);
+  info.pipeline = pipeline_;
+  uint32_t executables = 0;
+  context_->vk.vkGetPipelineExecutablePropertiesKHR(context_->device, &info, &executables, nullptr);
+  for (uint32_t e = 0; e < executables; ++e) {
+    auto executable = Struct<VkPipelineExecutableInfoKHR>(VK_STRUCTURE_TYPE_PIPELINE_EXECUTABLE_INFO_KHR);
+    executable.pipeline = pipeline_;
+    executable.executableIndex = e;
+    uint32_t count = 0;
+    context_->vk.vkGetPipelineExecutableStatisticsKHR(context_->device, &executable, &count, nullptr);
+    std::vector<VkPipelineExecutableStatisticKHR> statistics(
+        count, Struct<VkPipelineExecutableStatisticKHR>(VK_STRUCTURE_TYPE_PIPELINE_EXECUTABLE_STATISTIC_KHR));
+    context_->vk.vkGetPipelineExecutableStatisticsKHR(context_->device, &executable, &count, statistics.data());
+    for (uint32_t i = 0; i < count; ++i) {
+      const VkPipelineExecutableStatisticKHR& s = statistics[i];
+      std::string value;
+      switch (s.format) {
+        case VK_PIPELINE_EXECUTABLE_STATISTIC_FORMAT_BOOL32_KHR: value = s.value.b32 ? "yes" : "no"; break;
+        case VK_PIPELINE_EXECUTABLE_STATISTIC_FORMAT_INT64_KHR: value = std::to_string(s.value.i64); break;
+        case VK_PIPELINE_EXECUTABLE_STATISTIC_FORMAT_UINT64_KHR: value = std::to_string(s.value.u64); break;
+        default: value = std::to_string(s.value.f64); break;
+      }
+      texts.push_back(std::string(s.name) + ": " + value);
+    }
+  }
+  return texts;
 }
 
 }  // namespace wavefront::vulkan

@@ -36,6 +36,9 @@ class ComputePipeline {
 
   const std::string& name() const { return name_; }
   double creationSeconds() const { return creationSeconds_; }
+  // "name: value" of what the driver tells of the machine code (VK_KHR_pipeline_executable_properties): registers, spills,
+  // code size. Empty where it tells nothing or DeviceOptions did not ask.
+  std::vector<std::string> DriverStatistics() const;
   VkPipeline handle() const { return pipeline_; }
 
  private:

@@ -282,6 +282,8 @@ class RenderDelegate:
         materialsGenerated, materialsUploaded, kernelsCompiled, texturesUploaded, commits."""
     def diagnostics(self, since: int = 0) -> list[Diagnostic]:
         """Distinct ones in order of arrival, from index `since` on."""
+    def explain_material(self, path: str) -> dict[str, Any]:
+        """context, nodes, connections, closureTree, parameters; ValueError for a path that is no material."""
     def camera_matrices(self) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]:
         """(worldToCamera, worldToNDC) of the committed camera, row-vector convention, for image metadata."""
 

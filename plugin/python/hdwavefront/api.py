@@ -50,7 +50,8 @@ class Render:
       complexity: low, medium, high, veryhigh: the level of subdivision.
       purposes: besides "default"; render_settings, render_pass: path of a prim; mask: prim paths to load;
       session_layer: a layer file over the stage; resolver: "root" or "inherit", the context that assets are found in.
-      aovs: besides color: depth, cameraDepth, normal, Neye, albedo, primId, instanceId, elementId, sampleCount, and
+      aovs: besides color: depth, cameraDepth, normal, Neye, albedo, primId, instanceId, elementId, sampleCount,
+        materialCost (nanoseconds that a sample spends in material kernels, as measured), and
         primvars:<name> for up to four primvars (primvars:st, say).
       ocio, display, view: colour configuration and how display-referred files look.
       color_mode: openColorIO, sRGB, disabled; None: openColorIO in PNG, JPEG and TIFF, scene-linear in EXR and HDR.

@@ -112,6 +112,8 @@ nb::list KernelSources(const RenderDelegate& self) {
     d["createMilliseconds"] = use.createMilliseconds;
     d["firstDispatchMilliseconds"] = use.firstDispatchMilliseconds;
     d["spirvBytes"] = use.spirvBytes;
+    d["spirvInstructions"] = use.spirvInstructions;
+    d["driverStatistics"] = use.driverStatistics;
     d["milliseconds"] = use.milliseconds;
     d["paths"] = use.paths;
     d["nanosecondsPerPath"] = use.nanosecondsPerPath;
@@ -138,6 +140,7 @@ nb::dict StatsDict(const RenderDelegate& self) {
     k["codeMilliseconds"] = kernel.codeMilliseconds;
     k["codeFromCache"] = kernel.codeFromCache;
     k["spirvBytes"] = kernel.spirvBytes;
+    k["spirvInstructions"] = kernel.spirvInstructions;
     k["createMilliseconds"] = kernel.createMilliseconds;
     k["firstDispatchMilliseconds"] = kernel.firstDispatchMilliseconds;
     kernels.append(k);
@@ -235,6 +238,63 @@ nb::dict MaterialSource(const RenderDelegate& self, const std::string& path) {
   return d;
 }
 
+nb::object ValueObject(const materialgen::Value& value) {
+  return std::visit(
+      [](const auto& held) -> nb::object {
+        using Held = std::decay_t<decltype(held)>;
+        if constexpr (std::is_same_v<Held, std::monostate>) {
+          return nb::none();
+        } else if constexpr (std::is_same_v<Held, materialgen::AssetValue>) {
+          nb::dict d;
+          d["authoredPath"] = held.authoredPath;
+          d["resolvedPath"] = held.resolvedPath;
+          d["colorSpace"] = held.colorSpace;
+          return d;
+        } else if constexpr (std::is_arithmetic_v<Held> || std::is_same_v<Held, std::string>) {
+          return nb::cast(held);
+        } else {
+          return nb::cast(std::vector<float>(held.begin(), held.end()));
+        }
+      },
+      value);
+}
+
+nb::dict ExplainMaterial(const RenderDelegate& self, const std::string& path) {
+  const auto facts = self.ExplainMaterial(path);
+  if (!facts) RaiseValue("there is no material " + path + ", or it shows the default");
+  nb::list nodes, connections, parameters;
+  for (const materialgen::Node& node : facts->network.nodes) {
+    nb::dict values, d;
+    for (const auto& [name, value] : node.parameters) values[name.c_str()] = ValueObject(value);
+    d["path"] = node.path;
+    d["identifier"] = node.identifier;
+    d["parameters"] = values;
+    nodes.append(d);
+  }
+  for (const materialgen::Connection& connection : facts->network.connections) {
+    nb::dict d;
+    d["upstreamNode"] = connection.upstreamNode;
+    d["upstreamOutput"] = connection.upstreamOutput;
+    d["downstreamNode"] = connection.downstreamNode;
+    d["downstreamInput"] = connection.downstreamInput;
+    connections.append(d);
+  }
+  for (const auto& parameter : facts->parameters) {
+    nb::dict d;
+    d["node"] = parameter.node;
+    d["input"] = parameter.input;
+    d["values"] = parameter.values;
+    parameters.append(d);
+  }
+  nb::dict d;
+  d["context"] = facts->context;
+  d["nodes"] = nodes;
+  d["connections"] = connections;
+  d["closureTree"] = facts->closureTree;
+  d["parameters"] = parameters;
+  return d;
+}
+
 }  // namespace
 
 void BindRender(DelegateClass& type) {
@@ -253,6 +313,7 @@ void BindRender(DelegateClass& type) {
   type.def("stats", &StatsDict);
   type.def("counters", &CountersDict);
   type.def("camera_matrices", &Matrices);
+  type.def("explain_material", &ExplainMaterial, "path"_a);
   type.def("material_source", &MaterialSource, "path"_a);
   type.def("run_color_kernel", &RunColorKernel, "pixels"_a, nb::kw_only(), "glsl"_a, "function"_a,
            "luts"_a = nb::tuple());

@@ -1,3 +1,3 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright the hdWavefront authors
-"""The command line: `hdwavefront record`, `hdwavefront doctor`."""
+"""The command line: `hdwavefront record`, `hdwavefront explain`, `hdwavefront doctor`."""

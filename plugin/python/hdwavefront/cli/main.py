@@ -13,6 +13,7 @@ from ..errors import EXIT_FAILED, EXIT_INTERRUPTED, HdWavefrontError
 
 def build_parser() -> argparse.ArgumentParser:
     from .arguments import add_record_arguments
+    from .explain import add_explain_arguments
 
     parser = argparse.ArgumentParser(
         prog="hdwavefront", description="Renders USD stages by wavefront path tracing on Vulkan."
@@ -23,6 +24,13 @@ def build_parser() -> argparse.ArgumentParser:
         "record", help="render a stage to an image", description="Generates images from a USD file."
     )
     add_record_arguments(record)
+    add_explain_arguments(
+        commands.add_parser(
+            "explain",
+            help="a stage's materials: networks, closure trees, generated kernels, and what they cost",
+            description="Explains what became of the materials of a USD file, and measures what they cost.",
+        )
+    )
     commands.add_parser("doctor", help="device, driver, versions, colour configuration, and what is wrong")
     return parser
 
@@ -43,6 +51,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
             from .record import record
 
             return record(args)
+        if args.command == "explain":
+            from .explain import explain
+
+            return explain(args)
         if args.command == "doctor":
             from .doctor import doctor
 

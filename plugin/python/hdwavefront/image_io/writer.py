@@ -4,7 +4,7 @@
 
 EXR: 32-bit float. The colour layer's channels are R, G, B, A; each other AOV is a layer of its token: albedo.R .G .B,
 normal.X .Y .Z, Neye.X .Y .Z, primvars:st.X .Y .Z (any primvar), depth.Z, cameraDepth.Z, primId.id, instanceId.id,
-elementId.id (-1 = miss), sampleCount.samples.
+elementId.id (-1 = miss), sampleCount.samples, materialCost.ns.
 PNG, JPEG, TIFF, HDR and others hold the colour only. PNG and TIFF hold straight alpha.
 """
 

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import colorsys
 import sys
+from collections.abc import Sequence
 from pathlib import Path
 
 _STANDARD = "ND_standard_surface_surfaceshader"
@@ -79,8 +80,8 @@ def _material(index: int) -> str:
     )
 
 
-def _tile(index: int, columns: int) -> str:
-    x, y = index % columns - (columns - 1) / 2, index // columns
+def _tile(place: int, index: int, columns: int) -> str:
+    x, y = place % columns - (columns - 1) / 2, place // columns
     return (
         f'    def Sphere "s{index}" (\n        prepend apiSchemas = ["MaterialBindingAPI"]\n    )\n    {{\n'
         f"        rel material:binding = </World/Materials/m{index}>\n        double radius = 0.46\n"
@@ -89,8 +90,9 @@ def _tile(index: int, columns: int) -> str:
     )
 
 
-def stage_text(materials: int = 500, columns: int = 25) -> str:
-    rows = (materials + columns - 1) // columns
+def stage_text(materials: Sequence[int] = range(500), columns: int = 25) -> str:
+    """A sphere for each of the materials, by number: 20 i + k is of topology k."""
+    rows = (len(materials) + columns - 1) // columns
     return (
         '#usda 1.0\n(\n    defaultPrim = "World"\n    upAxis = "Y"\n)\ndef Xform "World"\n{\n'
         '    def Camera "main_cam"\n    {\n        token projection = "orthographic"\n'
@@ -101,9 +103,9 @@ def stage_text(materials: int = 500, columns: int = 25) -> str:
         '    def DistantLight "sun"\n    {\n        float inputs:intensity = 2\n        float inputs:angle = 3\n'
         "        float3 xformOp:rotateXYZ = (-40, 30, 0)\n"
         '        uniform token[] xformOpOrder = ["xformOp:rotateXYZ"]\n    }\n'
-        + "".join(_tile(i, columns) for i in range(materials))
+        + "".join(_tile(place, i, columns) for place, i in enumerate(materials))
         + '    def Scope "Materials"\n    {\n'
-        + "".join(_material(i) for i in range(materials))
+        + "".join(_material(i) for i in materials)
         + "    }\n}\n"
     )
 
