@@ -64,7 +64,9 @@ wavefront::KernelCode CompileEntry(const materialgen::KernelSource& source, wave
 MaterialStore::MaterialStore(wavefront::Renderer& renderer, materialgen::Generator& generator, TextureTable& textures,
                              wavefront::DiagnosticSink sink, unsigned threads)
     : renderer_(renderer), generator_(generator), textures_(textures), sink_(std::move(sink)), threads_(threads),
-      cache_(std::make_shared<materialgen::SpirvCache>(materialgen::SpirvCache::DefaultFolder())) {}
+      cache_(std::make_shared<materialgen::SpirvCache>(materialgen::SpirvCache::DefaultFolder())) {
+  renderer_.SetMegakernelLinker([this](std::span<const std::string> keys) { return LinkMegakernel(keys); });
+}
 
 MaterialStore::Material& MaterialStore::FindOrCreate(const std::string& path) {
   std::lock_guard lock(mutex_);
@@ -193,6 +195,15 @@ void MaterialStore::UpdateDisplacement(Material& material) {
   const bool isSame = material.displacement && material.displacement->kernelKey == data->kernelKey &&
                       Same(material.displacement->parameters, data->parameters);
   if (!isSame) material.displacement = std::move(data);
+}
+
+wavefront::Result<std::vector<uint32_t>> MaterialStore::LinkMegakernel(std::span<const std::string> keys) const {
+  std::vector<std::shared_ptr<const materialgen::KernelSource>> sources;
+  for (const std::string& key : keys) sources.push_back(kernels_.at(key).source);
+  std::string error;
+  std::vector<uint32_t> spirv = materialgen::CompileGlsl(materialgen::LinkMegakernel(sources), "megakernel", &error);
+  if (spirv.empty()) return wavefront::Error{error};
+  return spirv;
 }
 
 void MaterialStore::Upload(Material& material) {

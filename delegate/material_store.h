@@ -8,6 +8,7 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -83,6 +84,7 @@ class MaterialStore {
   std::vector<uint32_t> Acquire(const Material& material, const materialgen::CompiledMaterial& compiled);
   std::vector<wavefront::Float4> Block(const materialgen::CompiledMaterial& compiled, const std::vector<uint32_t>& keys);
   void UpdateDisplacement(Material& material);
+  wavefront::Result<std::vector<uint32_t>> LinkMegakernel(std::span<const std::string> keys) const;
   void MakeDefault(Material& material, bool isOpaque);
 
   wavefront::Renderer& renderer_;

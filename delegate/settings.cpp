@@ -2,6 +2,7 @@
 // Copyright the hdWavefront authors
 #include "delegate/settings.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -15,12 +16,24 @@ SettingValue MakeValue(T value) {
   if constexpr (type == SettingType::Int) return static_cast<int64_t>(value);
   if constexpr (type == SettingType::Float) return static_cast<double>(value);
   if constexpr (type == SettingType::Bool) return static_cast<bool>(value);
+  if constexpr (type == SettingType::Token) return std::string(value);
+}
+
+template <typename T>
+double Limit(T value) {
+  if constexpr (std::is_arithmetic_v<T>) return static_cast<double>(value);
+  else return 0;
+}
+template <typename T>
+std::string_view Choices(T value) {
+  if constexpr (std::is_arithmetic_v<T>) return {};
+  else return value;
 }
 
 const SettingInfo kInfos[] = {
 #define DELEGATE_SETTING(token, type, defaultValue, minimum, maximum, doc)                                         \
-  {#token, SettingType::type, MakeValue<SettingType::type>(defaultValue), static_cast<double>(minimum),            \
-   static_cast<double>(maximum), doc},
+  {#token, SettingType::type, MakeValue<SettingType::type>(defaultValue), Limit(minimum), Limit(maximum),          \
+   Choices(minimum), doc},
 #include "delegate/settings.def"
 #undef DELEGATE_SETTING
 };
@@ -31,7 +44,19 @@ constexpr std::array<std::pair<std::string_view, std::string_view>, 1> kAliases{
 
 // The value in the row's type, if it has one.
 std::optional<SettingValue> Convert(const SettingInfo& info, const SettingValue& value) {
-  const double number = std::visit([](auto v) { return static_cast<double>(v); }, value);
+  const auto* text = std::get_if<std::string>(&value);
+  if (info.type == SettingType::Token) {
+    const std::vector<std::string> choices = ChoicesOf(info);
+    if (!text || std::find(choices.begin(), choices.end(), *text) == choices.end()) return std::nullopt;
+    return value;
+  }
+  if (text) return std::nullopt;
+  const double number = std::visit(
+      [](const auto& v) {
+        if constexpr (std::is_arithmetic_v<std::decay_t<decltype(v)>>) return static_cast<double>(v);
+        return 0.0;
+      },
+      value);
   if (!(number >= info.minimum && number <= info.maximum)) return std::nullopt;
   const bool whole = number == std::floor(number);
   switch (info.type) {
@@ -44,6 +69,7 @@ std::optional<SettingValue> Convert(const SettingInfo& info, const SettingValue&
     case SettingType::Float:
       if (std::holds_alternative<bool>(value)) return std::nullopt;
       return number;
+    case SettingType::Token: break;
   }
   return std::nullopt;
 }
@@ -53,6 +79,11 @@ std::string Expected(const SettingInfo& info) {
     return std::abs(v) < 1e15 && v == std::floor(v) ? std::to_string(static_cast<int64_t>(v)) : std::to_string(v);
   };
   if (info.type == SettingType::Bool) return "true or false";
+  if (info.type == SettingType::Token) {
+    std::string all;
+    for (const std::string& choice : ChoicesOf(info)) all += (all.empty() ? "" : " or ") + choice;
+    return all;
+  }
   return std::string(info.type == SettingType::Int ? "a whole number" : "a number") + " from " + show(info.minimum) +
          " to " + (info.maximum >= 1e30 ? "1e30" : show(info.maximum));
 }
@@ -67,6 +98,16 @@ const SettingInfo* FindRenderSetting(std::string_view token) {
   for (const SettingInfo& info : kInfos)
     if (info.token == token) return &info;
   return nullptr;
+}
+
+std::vector<std::string> ChoicesOf(const SettingInfo& info) {
+  std::vector<std::string> choices;
+  for (std::string_view left = info.choices; !left.empty();) {
+    const size_t end = std::min(left.find('|'), left.size());
+    choices.emplace_back(left.substr(0, end));
+    left.remove_prefix(std::min(end + 1, left.size()));
+  }
+  return choices;
 }
 
 SettingValues::SettingValues() {
@@ -103,6 +144,12 @@ bool SettingValues::Bool(std::string_view token) const {
   return std::get<bool>(value.value());
 }
 
+const std::string& SettingValues::Token(std::string_view token) const {
+  const SettingInfo* info = FindRenderSetting(token);
+  WAVEFRONT_CHECK(info, "no setting %s", std::string(token).c_str());
+  return std::get<std::string>(values_[static_cast<size_t>(info - kInfos)]);
+}
+
 void SettingValues::FillInto(wavefront::RenderSettings& settings) const {
   const auto number = [this](std::string_view token) { return static_cast<uint32_t>(Int(token)); };
   settings.firstSample = number("firstSample");
@@ -111,6 +158,8 @@ void SettingValues::FillInto(wavefront::RenderSettings& settings) const {
   settings.rouletteBounce = number("rouletteBounce");
   settings.maxTransparency = number("maxTransparency");
   settings.seed = number("seed");
+  settings.executionMode = Token("executionMode") == "megakernel" ? wavefront::ExecutionMode::Megakernel
+                                                                  : wavefront::ExecutionMode::Wavefront;
   settings.poolSize = number("poolSize");
   settings.samplesPerBatch = number("samplesPerBatch");
   const auto real = [this](std::string_view token) { return static_cast<float>(std::get<double>(Get(token).value())); };

@@ -31,7 +31,10 @@ class Includer final : public glslang::TShader::Includer {
     for (const std::string& prefix : {folder, std::string("kernels/"), std::string()}) {
       const std::string path = Normalise(prefix + name);
       const std::string_view text = EmbeddedGlsl(path);
-      if (!text.empty()) return new IncludeResult(path, text.data(), text.size(), nullptr);
+      if (text.empty()) continue;
+      // An entry point that the megakernel includes is a stage there: only the first text of a program names a version.
+      const size_t skip = text.starts_with("#version") ? text.find('\n') : 0;
+      return new IncludeResult(path, text.data() + skip, text.size() - skip, nullptr);
     }
     return nullptr;
   }

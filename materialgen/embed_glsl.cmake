@@ -28,9 +28,10 @@ endif()
 function(hdwavefront_embed_glsl out)
   set(root "${PROJECT_SOURCE_DIR}/wavefront")
   file(GLOB_RECURSE files CONFIGURE_DEPENDS RELATIVE "${root}" "${root}/kernels/*.glsl")
+  file(GLOB kernels CONFIGURE_DEPENDS RELATIVE "${root}" "${root}/kernels/*.comp")  # stages of the megakernel
   file(GLOB shared CONFIGURE_DEPENDS RELATIVE "${root}"
        "${root}/shared/*.h" "${root}/shared/*.def" "${root}/shared/*.glsl")
-  list(APPEND files ${shared})
+  list(APPEND files ${kernels} ${shared})
   list(SORT files)
   list(TRANSFORM files PREPEND "${root}/" OUTPUT_VARIABLE inputs)
   set(source "${CMAKE_CURRENT_BINARY_DIR}/embedded_glsl.cpp")

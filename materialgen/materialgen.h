@@ -89,6 +89,11 @@ class Generator {
   virtual CompiledMaterial GenerateDefault(bool isOpaque = false) = 0;
 };
 
+// GLSL of the megakernel: the fixed kernels of wavefront/kernels and these materials in one program. The bucket that an
+// entry of kernel k answers to is the specialization constant k * kKernelEntries + entry (surface, opacity, emission).
+constexpr size_t kKernelEntries = 3;
+std::string LinkMegakernel(const std::vector<std::shared_ptr<const KernelSource>>& kernels);
+
 // GLSL (with includes into wavefront/) to SPIR-V for Vulkan 1.3. Thread-safe. Empty with the log in `error` on failure:
 // that is a bug of the generator, the log names lines.
 std::vector<uint32_t> CompileGlsl(const std::string& source, const std::string& name, std::string* error);

@@ -9,6 +9,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <memory>
 #include <span>
@@ -51,8 +52,17 @@ struct RendererOptions {
   DiagnosticSink diagnostics;  // may be called from any thread
 };
 
-// What one render is made of. The image is a pure function of (scene, camera, these but poolSize, samplesPerBatch, bandRows,
-// interactive).
+// How the paths get through the kernels; the image is the same to the bit.
+enum class ExecutionMode : uint8_t {
+  Wavefront,   // queues and a kernel per operation and material (Laine et al. 2013)
+  Megakernel,  // everything in one kernel with path regeneration; scenes that cannot have one render as Wavefront
+};
+// SPIR-V of the megakernel of these kernels (keys of RegisterKernel): materialgen::LinkMegakernel says which
+// specialization constants it has. Called by Commit.
+using MegakernelLinker = std::function<Result<std::vector<uint32_t>>(std::span<const std::string> kernelKeys)>;
+
+// What one render is made of. The image is a pure function of (scene, camera, these but executionMode, poolSize,
+// samplesPerBatch, bandRows, interactive).
 struct RenderSettings {
   uint32_t width = 0, height = 0;
   uint32_t firstSample = 0, samples = 64;  // the range [firstSample, firstSample + samples)
@@ -60,6 +70,7 @@ struct RenderSettings {
   uint32_t rouletteBounce = 3;             // Russian roulette from this bounce on
   uint32_t maxTransparency = 64;           // surfaces passed through per ray by opacity
   uint32_t seed = 0;
+  ExecutionMode executionMode = ExecutionMode::Wavefront;
   uint32_t poolSize = 0;                   // paths; 0: what suits the device
   uint32_t samplesPerBatch = 0;            // samples in flight together; 0: what suits the pool
   uint32_t bandRows = 0;                   // rows of the image held on the device at a time; 0: as many as fit
@@ -107,6 +118,7 @@ struct RenderStats {
   uint32_t kernelsPending = 0;             // entry points of material kernels that are still being compiled
   // Since the film was cleared by a commit; 0: not yet. The first finished path, and all kernels that were ordered.
   double firstPathSeconds = 0, kernelsReadySeconds = 0;
+  ExecutionMode executionMode = ExecutionMode::Wavefront;  // as it renders
 };
 
 // Exact sums of a sample range; merging is associative and exact, so ranges, machines and restarts agree to the bit.
@@ -142,6 +154,7 @@ class Renderer {
   virtual void DestroyTexture(TextureId id) = 0;
   virtual void RegisterKernel(MaterialKernelData kernel) = 0;  // no-op where the key is known
   virtual bool HasKernel(const std::string& key) const = 0;
+  virtual void SetMegakernelLinker(MegakernelLinker linker) = 0;  // none: no megakernel
   virtual MaterialId CreateMaterial(MaterialData material) = 0;
   virtual void SetMaterial(MaterialId id, MaterialData material) = 0;
   virtual void DestroyMaterial(MaterialId id) = 0;

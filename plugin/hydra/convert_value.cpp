@@ -171,6 +171,7 @@ std::optional<delegate::SettingValue> ToSetting(const VtValue& value) {
     return result;
   if (value.IsHolding<float>()) return static_cast<double>(value.UncheckedGet<float>());
   if (value.IsHolding<double>()) return value.UncheckedGet<double>();
+  if (std::string text = ToString(value); !text.empty()) return text;
   return std::nullopt;
 }
 
@@ -178,6 +179,7 @@ VtValue FromSetting(const delegate::SettingValue& value) {
   // int and float are what usdview shows; it leaves out 64-bit integers and doubles.
   if (const auto* whole = std::get_if<int64_t>(&value)) return VtValue(static_cast<int>(*whole));
   if (const auto* real = std::get_if<double>(&value)) return VtValue(static_cast<float>(*real));
+  if (const auto* text = std::get_if<std::string>(&value)) return VtValue(*text);
   return VtValue(std::get<bool>(value));
 }
 
@@ -185,7 +187,10 @@ std::optional<double> ToNumber(const VtValue& value) {
   if (value.IsHolding<GfHalf>()) return static_cast<double>(value.UncheckedGet<GfHalf>());
   const auto setting = ToSetting(value);
   if (!setting) return std::nullopt;
-  return std::visit([](auto v) { return static_cast<double>(v); }, *setting);
+  if (const auto* whole = std::get_if<int64_t>(&*setting)) return static_cast<double>(*whole);
+  if (const auto* flag = std::get_if<bool>(&*setting)) return *flag ? 1.0 : 0.0;
+  if (const auto* real = std::get_if<double>(&*setting)) return *real;
+  return std::nullopt;
 }
 
 std::optional<bool> ToBool(const VtValue& value) {

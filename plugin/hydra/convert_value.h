@@ -39,7 +39,7 @@ std::optional<std::vector<wavefront::Matrix4d>> ToMatrices(const VtValue& value)
 
 std::vector<int32_t> ToInts(const VtIntArray& values);
 
-// bool, every integer that fits, float and double; nothing for others.
+// bool, every integer that fits, float and double, text that is not empty; nothing for others.
 std::optional<delegate::SettingValue> ToSetting(const VtValue& value);
 VtValue FromSetting(const delegate::SettingValue& value);
 

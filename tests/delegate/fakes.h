@@ -74,6 +74,8 @@ class FakeRenderer : public wavefront::Renderer {
     if (code.spirv.empty()) failedKernels.insert(k.key);
     EXPECT_TRUE(kernels.emplace(k.key, k).second) << "kernel registered twice";
   }
+  void SetMegakernelLinker(wavefront::MegakernelLinker linker) override { megakernelLinker = std::move(linker); }
+  wavefront::MegakernelLinker megakernelLinker;
   bool HasKernel(const std::string& key) const override { return kernels.count(key) > 0; }
   wavefront::MaterialId CreateMaterial(wavefront::MaterialData d) override {
     EXPECT_TRUE(HasKernel(d.kernelKey));

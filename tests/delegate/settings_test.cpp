@@ -17,6 +17,7 @@ SettingValue Another(const SettingInfo& info) {
     case SettingType::Bool: return !std::get<bool>(info.defaultValue);
     case SettingType::Int: return std::get<int64_t>(info.defaultValue) + 1;
     case SettingType::Float: return std::get<double>(info.defaultValue) + 0.5;
+    case SettingType::Token: return delegate::ChoicesOf(info).back();
   }
   return false;
 }

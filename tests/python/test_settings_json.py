@@ -24,5 +24,9 @@ def test_settings_json_holds_the_rows_of_the_core(tmp_path: Path) -> None:
     for json_row, row in zip(written, rows, strict=True):
         assert json_row["type"].lower() == row["type"]
         assert json_row["doc"] == row["doc"]
+        if row["type"] == "token":
+            assert json_row["default"] == row["default"]
+            assert json_row["minimum"].split("|") == row["choices"]
+            continue
         for key in ("default", "minimum", "maximum"):
             assert float(json_row[key]) == pytest.approx(float(row[key])), row["token"]

@@ -105,6 +105,5 @@ void main() {
     key = kNoBucket;
   }
   if (phase == kPhaseReady || phase == kPhaseHeld) storePath(kChunkIds, path, ids);
-  queueItems[kItemsKeys * frame.poolSize + path] = key;
-  if (key != kNoBucket) atomicAdd(counters[kBucketBase + key * kBucketStride + kBucketCount], 1u);
+  sendToBucket(path, key);
 }

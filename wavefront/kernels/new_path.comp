@@ -12,11 +12,10 @@
 layout(local_size_x = 64) in;
 
 void main() {
-  uint i = gl_GlobalInvocationID.x;
-  if (i >= counters[kNewPathCount]) return;
-  uint path = queueItems[kItemsSorted * frame.poolSize + counters[kBucketBase + kBucketNewPath * kBucketStride + kBucketOffset] + i];
+  uint path, work;
+  if (!takeWork(path, work)) return;
   uint pixels = frame.width * frame.bandHeight;
-  uint work = counters[kNewPathBasePixel] + i;
+  work += counters[kNewPathBasePixel];
   uint sampleIndex = counters[kNewPathBaseSample] + work / pixels;
   uint pixel = work % pixels;
   uint x = pixel % frame.width, y = pixel / frame.width + frame.bandY;

@@ -48,13 +48,7 @@ void main() {
     if (b == kBucketNewPath) {
       // Work is ordered sample-major: the next `run` (sample, pixel) pairs go to the idle paths.
       uint pixels = frame.width * frame.bandHeight;
-      uint sampleIndex = counters[kWorkSample], pixel = counters[kWorkPixel], end = counters[kWorkEndSample];
-      uint left = 0u;
-      if (sampleIndex < end) {
-        uint samplesLeft = end - sampleIndex;
-        // Saturating samplesLeft * pixels - pixel.
-        left = samplesLeft > 0x3fffffffu / pixels ? 0x3fffffffu : samplesLeft * pixels - pixel;
-      }
+      uint sampleIndex = counters[kWorkSample], pixel = counters[kWorkPixel], left = workLeft();
       run = min(count, left);
       counters[kNewPathBaseSample] = sampleIndex;
       counters[kNewPathBasePixel] = pixel;

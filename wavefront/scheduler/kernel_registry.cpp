@@ -73,22 +73,27 @@ Result<std::unique_ptr<vulkan::ComputePipeline>> KernelRegistry::CreateFixed(Ker
   return pipeline;
 }
 
+Status KernelRegistry::WarmUp(const vulkan::ComputePipeline& pipeline, KernelTimes& times, vulkan::CommandStream& stream, const vulkan::DescriptorSet& set) {
+  const auto start = std::chrono::steady_clock::now();
+  if (auto free = stream.Wait(stream.nextFreeAt()); !free) return free.error();
+  if (Status s = stream.Begin(); !s) return s;
+  stream.BindSet(set);
+  stream.BindPipeline(pipeline);
+  const uint32_t push[4] = {};
+  stream.PushConstants(std::as_bytes(std::span(push)));
+  stream.Dispatch(0, 1, 1);
+  auto value = stream.Submit();
+  if (!value) return value.error();
+  if (auto done = stream.Wait(value.value()); !done) return done.error();
+  times.compile.firstDispatchSeconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return {};
+}
+
 Status KernelRegistry::WarmUpFixed(vulkan::CommandStream& stream, const vulkan::DescriptorSet& set) {
   if (fixedWarm_) return {};
   for (uint32_t k = 0; k < kKernelCount; ++k) {
     if (!fixed_[k] || k == static_cast<uint32_t>(Kernel::MaterialCost)) continue;  // few renders ask for it
-    const auto start = std::chrono::steady_clock::now();
-    if (auto free = stream.Wait(stream.nextFreeAt()); !free) return free.error();
-    if (Status s = stream.Begin(); !s) return s;
-    stream.BindSet(set);
-    stream.BindPipeline(*fixed_[k]);
-    const uint32_t push[4] = {};
-    stream.PushConstants(std::as_bytes(std::span(push)));
-    stream.Dispatch(0, 1, 1);
-    auto value = stream.Submit();
-    if (!value) return value.error();
-    if (auto done = stream.Wait(value.value()); !done) return done.error();
-    times_[k].compile.firstDispatchSeconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    if (Status s = WarmUp(*fixed_[k], times_[k], stream, set); !s) return s;
   }
   fixedWarm_ = true;
   return {};

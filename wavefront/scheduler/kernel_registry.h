@@ -68,13 +68,15 @@ class KernelRegistry {
   // Until Adopt has something, or the time is over. Any thread, while no Order runs.
   void WaitForKernels(double seconds) { if (compiler_) compiler_->Wait(seconds); }
 
+  // The dispatch without work that makes a driver compile what it put off.
+  static Status WarmUp(const vulkan::ComputePipeline& pipeline, KernelTimes& times, vulkan::CommandStream& stream, const vulkan::DescriptorSet& set);
+
   // Times by profiler row: fixed kernels, then buckets.
   std::vector<KernelTimes>& times() { return times_; }
   const std::vector<KernelTimes>& times() const { return times_; }
 
  private:
   explicit KernelRegistry(vulkan::Device& device) : device_(device) {}
-  Status WarmUp(const vulkan::ComputePipeline& pipeline, KernelTimes& times, vulkan::CommandStream& stream, const vulkan::DescriptorSet& set);
 
   struct BucketKernel {
     State state = State::Unused;

@@ -33,7 +33,9 @@ static_assert(kQueueBase + kQueueKinds * kQueueStride <= kPathsDoneLo, "queue co
 static_assert(kPathChunks <= 16, "512K paths must fit one storage-buffer binding of 128 MiB");
 constexpr uint32_t kChunkIds = 6;
 
-uint32_t DefaultPool(const vulkan::DeviceInfo& info) {
+uint32_t DefaultPool(const vulkan::DeviceInfo& info, ExecutionMode mode) {
+  // The megakernel needs no more paths than keep the device busy; fewer make shorter dispatches and stay in the cache.
+  if (mode == ExecutionMode::Megakernel) return info.type == vulkan::DeviceType::Cpu ? 4096u : 1u << 18;
   // Below 8K paths software Vulkan loses to dispatch costs, 32K-128K is flat; a GPU wants about a million.
   return info.type == vulkan::DeviceType::Cpu ? 65536u : 1u << 20;
 }
@@ -68,17 +70,18 @@ Status PathTracer::Allocate(std::unique_ptr<vulkan::Buffer>& buffer, uint64_t by
   return {};
 }
 
-Status PathTracer::Configure(const RenderSettings& settings, const CameraData& camera, SceneStore& scene, unsigned threads) {
+Status PathTracer::Configure(const RenderSettings& settings, const CameraData& camera, SceneStore& scene, unsigned threads, const DiagnosticSink& sink) {
   if (Status s = Drain(); !s) return s;
   settings_ = settings;
   camera_ = camera;
   status_ = before_ = {};  // a paused host may ask before the first step
   facts_ = scene.facts();
   film_ = MakeFilmLayout(settings.aovs);
+  if (Status s = ChooseMode(scene, sink); !s) return s;
 
   const uint64_t range = device_.info().limits.maxStorageBufferRange;
   const uint64_t poolLimit = std::min<uint64_t>(range / (16 * kPathChunks), device_.info().limits.maxTexelBufferElements / kPathChunks);
-  const uint64_t wanted = settings.poolSize != 0 ? settings.poolSize : DefaultPool(device_.info());
+  const uint64_t wanted = settings.poolSize != 0 ? settings.poolSize : DefaultPool(device_.info(), mode_);
   poolSize_ = static_cast<uint32_t>(std::clamp<uint64_t>(wanted, 64, poolLimit));
   // No more paths than there is work: a small image needs no big pool.
   const uint64_t work = static_cast<uint64_t>(settings.width) * settings.height * settings.samples;
@@ -114,11 +117,27 @@ Status PathTracer::Configure(const RenderSettings& settings, const CameraData& c
     if (!s) return s;
   }
   if (Status s = WriteFrameConstants(); !s) return s;
+  if (mode_ == ExecutionMode::Megakernel) {
+    runs_.clear();
+    return megakernel_.WarmUp(*kernels_, *stream_, *set_);
+  }
   // Ordered first: they compile while the fixed ones are warmed up.
   kernels_->Order(scene.materials.buckets(), scene.usedBuckets(), threads);
   runs_.assign(scene.materials.buckets().size(), {});
   costsMeasured_ = false;
   return kernels_->WarmUpFixed(*stream_, *set_);
+}
+
+// The megakernel where it is asked for and can be had; else the wavefront loop.
+Status PathTracer::ChooseMode(SceneStore& scene, const DiagnosticSink& sink) {
+  mode_ = ExecutionMode::Wavefront;
+  if (settings_.executionMode == ExecutionMode::Wavefront) return {};
+  Diagnostic trouble;
+  auto prepared = megakernel_.Prepare(scene.materials, scene.usedBuckets(), *kernels_, &trouble);
+  if (!prepared) return prepared.error();
+  if (prepared.value()) mode_ = ExecutionMode::Megakernel;
+  else if (sink && !trouble.code.empty()) sink(trouble);
+  return {};
 }
 
 Status PathTracer::WriteFrameConstants() {
@@ -302,7 +321,8 @@ Status PathTracer::AdoptKernels(const DiagnosticSink& sink, bool* restart) {
     KernelTimes& times = kernels_->times()[kKernelCount + b];
     times.measuredSeconds = 0, times.measuredItems = 0;  // a stand-in's
     if (kernels_->bucket(b) != nullptr && kernels_->compilesAtDispatch()) fresh_.push_back(kernels_->bucket(b));
-    if (!runs_[b].standInRan) continue;
+    // The megakernel runs no buckets; what comes was ordered before.
+    if (b >= runs_.size() || !runs_[b].standInRan) continue;
     if (Status s = Drain(); !s) return s;
     if (status_.bucketItems.size() > b + kFirstMaterialBucket && status_.bucketItems[b + kFirstMaterialBucket] != 0) *restart = true;
     else runs_[b].standInRan = false;
@@ -406,7 +426,8 @@ Status PathTracer::Step(const DiagnosticSink& sink, Progress* progress) {
   const uint32_t perIteration = kKernelCount + bucketCount_;
   const uint32_t fit = std::max(1u, kTimestamps / (perIteration + 1));
   slot.iterations = interactive_ ? 1 : std::min(iterationsPerSubmit_, fit);
-  for (uint32_t i = 0; i < slot.iterations; ++i) RecordIteration(&slot.rows);
+  if (mode_ == ExecutionMode::Megakernel) megakernel_.Record(*stream_, *kernels_, *counters_, slot.iterations, &slot.rows);
+  else for (uint32_t i = 0; i < slot.iterations; ++i) RecordIteration(&slot.rows);
   const uint64_t bytes = 4ull * (kBucketBase + static_cast<uint64_t>(kBucketStride) * bucketCount_);
   stream_->Copy(*counters_, 0, *readback_, nextSlot_ * bytes, bytes);
   auto value = stream_->Submit();
@@ -427,7 +448,8 @@ Status PathTracer::Collect(std::size_t index) {
   auto count = stream_->ReadTimestamps(slot.value, timestamps_);
   if (count.ok() && count.value() > 1) {
     for (uint32_t i = 1; i < count.value(); ++i) {
-      KernelTimes& times = kernels_->times()[slot.rows[i - 1]];
+      const uint32_t row = slot.rows[i - 1];
+      KernelTimes& times = row == Megakernel::kRow ? megakernel_.times() : kernels_->times()[row];
       const double passed = std::max(0.0, timestamps_[i] - timestamps_[i - 1]) * 1e-9;
       times.seconds += passed;
       times.measuredSeconds += passed;

@@ -12,6 +12,7 @@
 #include "wavefront/renderer.h"
 #include "wavefront/scene/scene_commit.h"
 #include "wavefront/scheduler/kernel_registry.h"
+#include "wavefront/scheduler/megakernel.h"
 #include "wavefront/shared/film_layout.h"
 #include "wavefront/vulkan/command_stream.h"
 
@@ -46,13 +47,15 @@ class PathTracer {
   ~PathTracer();
 
   KernelRegistry& kernels() { return *kernels_; }
+  Megakernel& megakernel() { return megakernel_; }
+  ExecutionMode executionMode() const { return mode_; }  // as the last Configure could have it
   uint32_t poolSize() const { return poolSize_; }
   uint32_t bandRows() const { return bandRows_; }    // rows of the image that one band holds
   uint32_t bandCount() const { return bandRows_ == 0 ? 0 : (settings_.height + bandRows_ - 1) / bandRows_; }
   const FilmLayout& film() const { return film_; }
 
   // Sizes pool and film for the settings, binds the scene, orders missing pipelines. Nothing may be in flight.
-  Status Configure(const RenderSettings& settings, const CameraData& camera, SceneStore& scene, unsigned threads);
+  Status Configure(const RenderSettings& settings, const CameraData& camera, SceneStore& scene, unsigned threads, const DiagnosticSink& sink);
   // Interactive: one iteration per submit and two submits in flight, so that an edit waits for little; what meets a
   // material whose kernel is still being compiled is shaded by a neutral one. Else as many iterations as hide the cost of
   // a submit, and such paths are held.
@@ -81,7 +84,8 @@ class PathTracer {
   uint32_t bandHeight() const;
 
  private:
-  explicit PathTracer(vulkan::Device& device) : device_(device) {}
+  explicit PathTracer(vulkan::Device& device) : device_(device), megakernel_(device) {}
+  Status ChooseMode(SceneStore& scene, const DiagnosticSink& sink);
   Status Allocate(std::unique_ptr<vulkan::Buffer>& buffer, uint64_t bytes, vulkan::MemoryKind kind, vulkan::MemoryLocation location, const char* name);
   Status WriteFrameConstants();
   Status BeginRecording();
@@ -111,6 +115,8 @@ class PathTracer {
 
   vulkan::Device& device_;
   std::unique_ptr<KernelRegistry> kernels_;
+  Megakernel megakernel_;
+  ExecutionMode mode_ = ExecutionMode::Wavefront;
   std::unique_ptr<vulkan::CommandStream> stream_;
   std::unique_ptr<vulkan::DescriptorSet> set_;
   std::unique_ptr<vulkan::Buffer> pathState_, queues_, counters_, filmSums_, filmFirst_, resolved_, frame_, readback_;

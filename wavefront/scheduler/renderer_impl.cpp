@@ -42,7 +42,7 @@ bool SameCamera(const CameraData& a, const CameraData& b) {
 }
 bool SameSettings(const RenderSettings& a, const RenderSettings& b) {
   auto tie = [](const RenderSettings& s) {
-    return std::tie(s.width, s.height, s.firstSample, s.samples, s.maxBounces, s.rouletteBounce, s.maxTransparency, s.seed, s.poolSize,
+    return std::tie(s.width, s.height, s.firstSample, s.samples, s.maxBounces, s.rouletteBounce, s.maxTransparency, s.seed, s.executionMode, s.poolSize,
                     s.samplesPerBatch, s.bandRows, s.frame, s.time, s.radianceClamp, s.cameraVisibleDome, s.shadows, s.aovs, s.primvarAovs);
   };
   return tie(a) == tie(b);
@@ -142,7 +142,7 @@ Status RendererImpl::Commit() {
                    std::to_string(kMaxPixels) + " pixels"};
     }
     if (static_cast<uint64_t>(settings_.firstSample) + settings_.samples > 0xffffffffull) return Error{"the sample range ends past 2^32"};
-    if (Status s = tracer_->Configure(settings_, camera_, *scene_, threads); !s) return s;
+    if (Status s = tracer_->Configure(settings_, camera_, *scene_, threads, options_.diagnostics); !s) return s;
     configured_ = true;
     committed_ = start;
     firstPathSeconds_ = kernelsReadySeconds_ = 0;
@@ -312,18 +312,22 @@ void RendererImpl::Publish() {
   const LoopStatus& loop = tracer_->status();
   RenderStats s;
   s.kernelsPending = tracer_->kernels().pending();
-  for (const KernelTimes& t : tracer_->kernels().times()) {
+  auto row = [&](const KernelTimes& t) {
     const CompileCost& c = t.compile;
     s.kernels.push_back({t.name, t.seconds * 1e3, 0, t.dispatches, "ready", c.codeMilliseconds, c.codeFromCache, c.createSeconds * 1e3,
                          c.firstDispatchSeconds * 1e3, c.spirvBytes, c.spirvInstructions, c.driverStatistics});
-  }
+  };
+  for (const KernelTimes& t : tracer_->kernels().times()) row(t);
   for (std::size_t k = kKernelCount; k < s.kernels.size(); ++k) {
     constexpr const char* kStates[] = {"unused", "compiling", "ready", "failed"};
     s.kernels[k].state = kStates[static_cast<std::size_t>(tracer_->kernels().state(static_cast<uint32_t>(k - kKernelCount)))];
   }
   auto items = [&](Kernel k, uint64_t n) { s.kernels[static_cast<uint32_t>(k)].items = n; };
-  items(Kernel::Logic, loop.iterations * tracer_->poolSize());
-  items(Kernel::Scatter, loop.iterations * tracer_->poolSize());
+  const uint64_t visits = loop.iterations * tracer_->poolSize();
+  if (tracer_->executionMode() == ExecutionMode::Wavefront) {
+    items(Kernel::Logic, visits);
+    items(Kernel::Scatter, visits);
+  }
   items(Kernel::NewPath, loop.pathsStarted);
   auto queued = [&](Queue q) { return loop.queueItems[static_cast<uint32_t>(q)]; };
   items(Kernel::LightSample, queued(Queue::LightSample));
@@ -359,6 +363,11 @@ void RendererImpl::Publish() {
   s.validationMessages = vulkan::ValidationMessageCount();
   s.errorFlags = loop.errorFlags;
   s.poolSize = tracer_->poolSize();
+  s.executionMode = tracer_->executionMode();
+  if (s.executionMode == ExecutionMode::Megakernel) {
+    row(tracer_->megakernel().times());
+    s.kernels.back().items = s.segments;
+  }
   const vulkan::MemoryByKind memory = device_->memoryByKind();
   for (std::size_t k = 0; k < vulkan::kMemoryKindCount; ++k) {
     const std::string name(vulkan::MemoryKindName(static_cast<vulkan::MemoryKind>(k)));

@@ -36,6 +36,7 @@ class RendererImpl final : public Renderer {
   void DestroyTexture(TextureId id) override { scene_->textures.Destroy(id); }
   void RegisterKernel(MaterialKernelData kernel) override { scene_->materials.RegisterKernel(std::move(kernel)); }
   bool HasKernel(const std::string& key) const override { return scene_->materials.HasKernel(key); }
+  void SetMegakernelLinker(MegakernelLinker linker) override { tracer_->megakernel().SetLinker(std::move(linker)); }
   MaterialId CreateMaterial(MaterialData material) override { return scene_->materials.Create(std::move(material)); }
   void SetMaterial(MaterialId id, MaterialData material) override { scene_->materials.Set(id, std::move(material)); }
   void DestroyMaterial(MaterialId id) override { scene_->materials.Destroy(id); }

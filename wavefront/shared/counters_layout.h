@@ -33,8 +33,7 @@ WF_CONST(kQueueItemsHi, 6u)
 WF_CONST(kQueuePeak, 7u)
 WF_CONST(kPathsDoneLo, 48u)
 WF_CONST(kPathsDoneHi, 49u)
-WF_CONST(kSegmentsLo, 50u)
-WF_CONST(kSegmentsHi, 51u)
+WF_CONST(kMegaNextWork, 50u)     // megakernel: work taken since mega_turn, counted past the end
 // Buckets: 11 words each: count, offset in the sorted indices, args x y z, cursor of the scatter, items lo, items hi, peak,
 // whether its paths are held because its kernel is still being compiled, and what one path of it costs (float, ns)
 WF_CONST(kBucketBase, 64u)

@@ -46,7 +46,7 @@ def plugin_folder() -> str | None:
 
 
 def read_settings() -> list[dict[str, Any]]:
-    """Rows of settings.json: token, type (Int, Float, Bool), default, minimum, maximum, doc."""
+    """Rows of settings.json: token, type (Int, Float, Bool, Token), default, minimum, maximum, doc."""
     folder = plugin_folder()
     if folder is None:
         return []
@@ -66,6 +66,9 @@ def make_property(row: dict[str, Any]) -> Any:
     common = {"name": label_of(row["token"]), "description": row["doc"]}
     if row["type"] == "Bool":
         return bpy.props.BoolProperty(default=bool(row["default"]), **common)
+    if row["type"] == "Token":
+        choices = [(choice, label_of(choice), "") for choice in row["minimum"].split("|")]
+        return bpy.props.EnumProperty(items=choices, default=row["default"], **common)
     if row["type"] == "Int":
         return bpy.props.IntProperty(
             default=int(row["default"]), min=int(row["minimum"]), max=int(min(row["maximum"], limit)), **common

@@ -30,7 +30,8 @@ def list_devices() -> list[dict[str, Any]]:
     subgroupSize, usable, whyNot, details (list of pairs)."""
 
 def render_settings() -> list[dict[str, Any]]:
-    """Every render setting: token, type ("int", "float", "bool"), default, minimum, maximum, doc, flag (CLI name)."""
+    """Every render setting: token, type ("int", "float", "bool", "token"), default, minimum, maximum, choices (of a
+    token), doc, flag (CLI name)."""
 
 def aovs() -> list[dict[str, Any]]:
     """Every AOV: token, components, format ("float32", "int32"), clear, rule, doc. "primvars:<name>" stands for any."""

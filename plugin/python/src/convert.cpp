@@ -289,9 +289,10 @@ delegate::SettingValue ReadSetting(nb::handle value, const std::string& name) {
     if (overflow) RaiseValue(name + " is too large a number");
     return static_cast<int64_t>(number);
   }
+  if (PyUnicode_Check(value.ptr())) return ReadString(value, name);
   return ReadNumber(value, name);
 }
 
 nb::object WriteSetting(const delegate::SettingValue& value) {
-  return std::visit([](auto v) { return nb::cast(v); }, value);
+  return std::visit([](const auto& v) { return nb::cast(v); }, value);
 }

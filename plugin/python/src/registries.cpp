@@ -43,6 +43,7 @@ const char* TypeName(delegate::SettingType type) {
     case delegate::SettingType::Int: return "int";
     case delegate::SettingType::Float: return "float";
     case delegate::SettingType::Bool: return "bool";
+    case delegate::SettingType::Token: return "token";
   }
   return "";
 }
@@ -57,6 +58,7 @@ nb::list RenderSettings() {
     entry["default"] = WriteSetting(info.defaultValue);
     entry["minimum"] = info.minimum;
     entry["maximum"] = info.maximum;
+    entry["choices"] = delegate::ChoicesOf(info);
     entry["doc"] = info.doc;
     entry["flag"] = "--" + std::string(info.token);
     result.append(entry);

@@ -178,6 +178,7 @@ nb::dict StatsDict(const RenderDelegate& self) {
   d["kernelsPending"] = stats.kernelsPending;
   d["firstPathSeconds"] = stats.firstPathSeconds;
   d["kernelsReadySeconds"] = stats.kernelsReadySeconds;
+  d["executionMode"] = stats.executionMode == wavefront::ExecutionMode::Megakernel ? "megakernel" : "wavefront";
   d["counters"] = CountersDict(self);
   d["kernelSources"] = KernelSources(self);
   return d;

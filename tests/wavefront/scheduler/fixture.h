@@ -10,6 +10,7 @@
 #include <bit>
 #include <cstdlib>
 #include <cstring>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <string>
@@ -50,29 +51,50 @@ vec3 closureSample(Closure c, vec3 wo, float uLobe, vec2 u) {
 vec3 closureAlbedo(Closure c, vec3 wo) { return c.albedo; }
 )";
 
-inline std::vector<uint32_t> CompileMaterial(const std::string& head, const std::string& body, const std::string& tail, const std::string& name) {
+inline std::string MaterialSource(const std::string& head, const std::string& body, const std::string& tail) {
+  return "#version 460\n#extension GL_GOOGLE_include_directive : require\n#include \"material/" + head + "\"\n" + body +
+         "\n#include \"material/" + tail + "\"\n";
+}
+
+// As materialgen writes them; the megakernel is linked of these.
+inline std::shared_ptr<const materialgen::KernelSource> MakeSource(const std::string& key, bool opacity, bool emission, bool glass) {
+  std::string closure = kClosure;
+  for (auto [name, value] : {std::pair{"OPACITY", opacity}, {"EMISSION", emission}, {"GLASS", glass}}) {
+    for (std::size_t at; (at = closure.find(name)) != std::string::npos;) closure.replace(at, std::strlen(name), value ? "true" : "false");
+  }
+  auto source = std::make_shared<materialgen::KernelSource>();
+  source->key = key;
+  source->surface = MaterialSource("surface_head.glsl", closure, "surface_tail.glsl");
+  if (opacity) {
+    source->opacity = MaterialSource("pattern_head.glsl", "vec3 materialOpacity(ShadingPoint sp) { return vec3(materialParameter(sp, 0u).a); }",
+                                     "opacity_tail.glsl");
+  }
+  if (emission) {
+    source->emission = MaterialSource("pattern_head.glsl", "vec3 materialEmission(ShadingPoint sp) { return materialParameter(sp, 1u).rgb; }",
+                                      "emission_tail.glsl");
+  }
+  return source;
+}
+
+inline std::vector<uint32_t> CompileSource(const std::string& source, const std::string& name) {
+  if (source.empty()) return {};
   std::string error;
-  auto spirv = materialgen::CompileGlsl("#version 460\n#extension GL_GOOGLE_include_directive : require\n#include \"material/" + head + "\"\n" + body +
-                                            "\n#include \"material/" + tail + "\"\n", name, &error);
+  auto spirv = materialgen::CompileGlsl(source, name, &error);
   EXPECT_FALSE(spirv.empty()) << error;
   return spirv;
 }
 
-inline MaterialKernelData MakeKernel(const std::string& key, bool opacity, bool emission, bool glass) {
-  auto flag = [](bool b) { return std::string(b ? "true" : "false"); };
-  const std::string defines = "#define OPACITY " + flag(opacity) + "\n#define EMISSION " + flag(emission) + "\n#define GLASS " + flag(glass) + "\n";
+inline MaterialKernelData MakeKernel(const materialgen::KernelSource& source) {
   MaterialKernelData kernel;
-  kernel.key = key;
-  kernel.surfaceSpirv = CompileMaterial("surface_head.glsl", defines + kClosure, "surface_tail.glsl", key);
-  if (opacity) {
-    kernel.opacitySpirv = CompileMaterial("pattern_head.glsl", "vec3 materialOpacity(ShadingPoint sp) { return vec3(materialParameter(sp, 0u).a); }",
-                                          "opacity_tail.glsl", key + " opacity");
-  }
-  if (emission) {
-    kernel.emissionSpirv = CompileMaterial("pattern_head.glsl", "vec3 materialEmission(ShadingPoint sp) { return materialParameter(sp, 1u).rgb; }",
-                                           "emission_tail.glsl", key + " emission");
-  }
+  kernel.key = source.key;
+  kernel.surfaceSpirv = CompileSource(source.surface, source.key);
+  kernel.opacitySpirv = CompileSource(source.opacity, source.key + " opacity");
+  kernel.emissionSpirv = CompileSource(source.emission, source.key + " emission");
   return kernel;
+}
+
+inline MaterialKernelData MakeKernel(const std::string& key, bool opacity, bool emission, bool glass) {
+  return MakeKernel(*MakeSource(key, opacity, emission, glass));
 }
 
 inline MaterialData MakeMaterial(const std::string& kernel, Float3 albedo, float opacity = 1, Float3 emission = {}, Float3 extinction = {}) {
@@ -132,10 +154,21 @@ class World {
   MaterialId Material(MaterialData data) {
     if (!renderer->HasKernel(data.kernelKey)) {
       const std::string& k = data.kernelKey;
-      renderer->RegisterKernel(MakeKernel(k, k == "cutout", k == "emissive", k == "glass"));
+      sources_[k] = MakeSource(k, k == "cutout", k == "emissive", k == "glass");
+      renderer->RegisterKernel(MakeKernel(*sources_[k]));
     }
     return renderer->CreateMaterial(std::move(data));
   }
+  // Lets Commit make megakernels of the materials' kernels.
+  void LinkMegakernels() {
+    renderer->SetMegakernelLinker([this](std::span<const std::string> keys) -> Result<std::vector<uint32_t>> {
+      ++linked;
+      std::vector<std::shared_ptr<const materialgen::KernelSource>> sources;
+      for (const std::string& key : keys) sources.push_back(sources_.at(key));
+      return CompileSource(materialgen::LinkMegakernel(sources), "megakernel");
+    });
+  }
+  int linked = 0;
   InstanceGroupId Instance(const std::string& path, MeshId mesh, MaterialId material, std::vector<Matrix4d> transforms) {
     InstanceData data;
     data.path = path;
@@ -214,6 +247,7 @@ class World {
   CameraData camera;
 
  private:
+  std::map<std::string, std::shared_ptr<const materialgen::KernelSource>> sources_;
   mutable std::mutex mutex_;
   std::vector<Diagnostic> diagnostics_;
 };

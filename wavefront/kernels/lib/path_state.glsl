@@ -24,9 +24,17 @@ const uint kFlagAovWritten = 0x10000000u;   // first hit's AOVs are in the film
 const uint kFlagEnd = 0x40000000u;          // the path is over once its shadow ray is done; no extension ray was cast
 const uint kFlagShadow = 0x20000000u;       // ShadowContribution is to be added (unless found blocked)
 
-uvec4 loadPath(uint chunk, uint path) { return texelFetch(pathStateRead, int(chunk * frame.poolSize + path)); }
-void storePath(uint chunk, uint path, uvec4 value) { pathStateWrite[chunk * frame.poolSize + path] = value; }
-void storePathF(uint chunk, uint path, vec4 value) { pathStateWrite[chunk * frame.poolSize + path] = floatBitsToUint(value); }
+uvec4 fetchPath(uint chunk, uint path) { return texelFetch(pathStateRead, int(chunk * frame.poolSize + path)); }
+void writePath(uint chunk, uint path, uvec4 value) { pathStateWrite[chunk * frame.poolSize + path] = value; }
+
+// Kernels go by these three. In the megakernel the state of an invocation's one path stays in registers.
+#ifdef WAVEFRONT_MEGAKERNEL
+#include "megakernel/state.glsl"
+#else
+uvec4 loadPath(uint chunk, uint path) { return fetchPath(chunk, path); }
+void storePath(uint chunk, uint path, uvec4 value) { writePath(chunk, path, value); }
+#endif
+void storePathF(uint chunk, uint path, vec4 value) { storePath(chunk, path, floatBitsToUint(value)); }
 
 uint pathBounce(uint flags) { return (flags >> kBounceShift) & 0xffu; }
 uint pathPasses(uint flags) { return (flags >> kPassShift) & 0xffu; }

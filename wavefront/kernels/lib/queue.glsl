@@ -10,6 +10,32 @@
 #include "shared/queues.def"
 #undef WAVEFRONT_QUEUE
 
+// What was pushed becomes what is worked on: arguments, statistics, and an empty fill count. One invocation per queue.
+void closeQueue(uint queue) {
+  uint q = kQueueBase + queue * kQueueStride;
+  uint count = counters[q + kQueueFill];
+  counters[q + kQueueCount] = count;
+  counters[q + kQueueFill] = 0u;
+  counters[q + kQueueArgs] = (count + 63u) / 64u;
+  counters[q + kQueueArgs + 1u] = 1u;
+  counters[q + kQueueArgs + 2u] = 1u;
+  uint old = counters[q + kQueueItemsLo];
+  counters[q + kQueueItemsLo] = old + count;
+  if (old + count < old) counters[q + kQueueItemsHi] += 1u;
+  counters[q + kQueuePeak] = max(counters[q + kQueuePeak], count);
+}
+// Pairs of sample and pixel not handed out yet, at most 2^30 - 1 of them.
+uint workLeft() {
+  uint pixels = frame.width * frame.bandHeight, first = counters[kWorkSample], end = counters[kWorkEndSample];
+  if (first >= end) return 0u;
+  return end - first > 0x3fffffffu / pixels ? 0x3fffffffu : (end - first) * pixels - counters[kWorkPixel];
+}
+void reportError(uint flag) { atomicOr(counters[kErrorFlags], flag); }
+
+// In the megakernel a path's queues are bits of its invocation's own.
+#ifdef WAVEFRONT_MEGAKERNEL
+#include "megakernel/queue.glsl"
+#else
 void pushExtensionRay(uint path) {
   uint slot = atomicAdd(counters[kQueueBase + kQueueExtensionRay * kQueueStride + kQueueFill], 1u);
   queueItems[kItemsExtension * frame.poolSize + slot] = path;
@@ -26,19 +52,10 @@ void pushEscape(uint path) {
   uint slot = atomicAdd(counters[kQueueBase + kQueueEscape * kQueueStride + kQueueFill], 1u);
   queueItems[kItemsEscape * frame.poolSize + slot] = path;
 }
-// What was pushed becomes what is worked on: arguments, statistics, and an empty fill count. One invocation per queue.
-void closeQueue(uint queue) {
-  uint q = kQueueBase + queue * kQueueStride;
-  uint count = counters[q + kQueueFill];
-  counters[q + kQueueCount] = count;
-  counters[q + kQueueFill] = 0u;
-  counters[q + kQueueArgs] = (count + 63u) / 64u;
-  counters[q + kQueueArgs + 1u] = 1u;
-  counters[q + kQueueArgs + 2u] = 1u;
-  uint old = counters[q + kQueueItemsLo];
-  counters[q + kQueueItemsLo] = old + count;
-  if (old + count < old) counters[q + kQueueItemsHi] += 1u;
-  counters[q + kQueuePeak] = max(counters[q + kQueuePeak], count);
+// The path's bucket in this iteration, kNoBucket: none. Once a path and iteration.
+void sendToBucket(uint path, uint key) {
+  queueItems[kItemsKeys * frame.poolSize + path] = key;
+  if (key != kNoBucket) atomicAdd(counters[kBucketBase + key * kBucketStride + kBucketCount], 1u);
 }
 // The path of this invocation in a kernel over a queue; false past its end.
 bool queuePath(uint queue, uint items, out uint path) {
@@ -46,8 +63,6 @@ bool queuePath(uint queue, uint items, out uint path) {
   path = queueItems[items * frame.poolSize + gl_GlobalInvocationID.x];
   return true;
 }
-void reportError(uint flag) { atomicOr(counters[kErrorFlags], flag); }
-
 // The path of this invocation in a material kernel; false past the bucket's end.
 bool bucketPath(out uint path) {
   uint bucket = kBucketBase + pushBucket * kBucketStride;
@@ -55,4 +70,12 @@ bool bucketPath(out uint path) {
   path = queueItems[kItemsSorted * frame.poolSize + counters[bucket + kBucketOffset] + gl_GlobalInvocationID.x];
   return true;
 }
+// An idle path and the work that it gets, counted from the first that is handed out in this iteration; false: nothing left.
+bool takeWork(out uint path, out uint work) {
+  work = gl_GlobalInvocationID.x;
+  if (work >= counters[kNewPathCount]) { path = 0u; return false; }
+  path = queueItems[kItemsSorted * frame.poolSize + counters[kBucketBase + kBucketNewPath * kBucketStride + kBucketOffset] + work];
+  return true;
+}
+#endif
 #endif

@@ -32,6 +32,7 @@ uint traversalStack[kTraversalStackSize];
 // Steps of one ray over all its loops. lavapipe 22.3.6 ends loops silently after 65,535 iterations, counted per
 // group of 8 lanes, which in nested loops can take as many as all lanes together.
 const uint kTraversalBudget = 8000u;
+uint traversalSteps = 0u;  // of all rays of this invocation so far: a step is at most two iterations of a loop
 
 const float kMaxFloat = 3.402823466e38;
 
@@ -277,6 +278,7 @@ bool traverseClosest(Ray ray, uint visibilityMask, uint skipInstance, uint skipT
     }
     reference = popReference(top);
   } while (reference != kBvhEmpty && steps < kTraversalBudget);
+  traversalSteps += steps;
   if (steps >= kTraversalBudget) reportTraversalOverflow();
   if (best.instance == kNoHit) return false;
   hit = best;
@@ -362,6 +364,7 @@ uint traverseShadow(Ray ray, uint visibilityMask, uint skipInstance, uint skipTr
     }
     reference = popReference(top);
   } while (reference != kBvhEmpty && !blocked && steps < kTraversalBudget);
+  traversalSteps += steps;
   if (steps >= kTraversalBudget) reportTraversalOverflow();
   if (blocked) return kShadowBlocked;
   if (best.instance == kNoHit) return kShadowClear;

@@ -164,6 +164,8 @@ def _add_setting_arguments(group: Any) -> None:
         options: dict[str, Any] = {"dest": "setting_" + row["token"], "help": help_text, "default": None}
         if row["type"] == "bool":
             group.add_argument(flag, type=_truth, nargs="?", const=True, metavar="BOOL", **options)
+        elif row["type"] == "token":
+            group.add_argument(flag, choices=row["choices"], **options)
         else:
             group.add_argument(flag, type=types[row["type"]], metavar=row["type"].upper(), **options)
 
