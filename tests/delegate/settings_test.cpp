@@ -34,8 +34,10 @@ wavefront::RenderSettings Told(const SettingInfo* info) {
 }
 
 TEST(RenderSettings, EveryRowReachesTheCore) {
-  // These two act in the delegate: see LightsAreRepeatedByInstancersAndSwitchedOff, and testenv/Settings.Switches.
-  const std::set<std::string_view> own{"enableSceneMaterials", "enableSceneLights"};
+  // These act in the delegate: see LightsAreRepeatedByInstancersAndSwitchedOff, testenv/Settings.Switches and
+  // displacement_test.cpp.
+  const std::set<std::string_view> own{"enableSceneMaterials", "enableSceneLights",
+                                             "displacementTriangles"};
   const wavefront::RenderSettings before = Told(nullptr);
   std::vector<wavefront::RenderSettings> seen;
   for (const SettingInfo& info : delegate::RenderSettingInfos()) {
