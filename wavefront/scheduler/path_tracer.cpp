@@ -137,6 +137,9 @@ Status PathTracer::ChooseMode(SceneStore& scene, const DiagnosticSink& sink) {
   if (!prepared) return prepared.error();
   if (prepared.value()) mode_ = ExecutionMode::Megakernel;
   else if (sink && !trouble.code.empty()) sink(trouble);
+  if (sink && mode_ == ExecutionMode::Megakernel && film_.of(Aov::MaterialCost) != kNoChannel) {
+    sink({Severity::Warning, "megakernel-no-costs", "render", "the megakernel has no times of single materials; materialCost stays empty"});
+  }
   return {};
 }
 
@@ -199,6 +202,8 @@ Status PathTracer::BeginBand(uint32_t band) {
     status_ = {};
     for (BucketRun& run : runs_) run.standInRan = false;
     for (KernelTimes& times : kernels_->times()) times.seconds = 0, times.dispatches = 0;
+    megakernel_.times().seconds = 0;
+    megakernel_.times().dispatches = 0;
   }
   else before_ = status_;
   status_.drained = false;
@@ -367,7 +372,7 @@ void PathTracer::RecordHolds() {
 
 // materialCost: the first paths meet kernels that nothing is known of, so the film starts anew, once, after some submits.
 bool PathTracer::MeasureCosts() {
-  if (film_.of(Aov::MaterialCost) == kNoChannel || costsMeasured_) return false;
+  if (film_.of(Aov::MaterialCost) == kNoChannel || costsMeasured_ || mode_ == ExecutionMode::Megakernel) return false;
   costsMeasured_ = status_.drained || (kernels_->pending() == 0 && costSubmits_ > kCostSubmits);
   return costsMeasured_;
 }
