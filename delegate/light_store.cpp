@@ -3,6 +3,7 @@
 #include "delegate/light_store.h"
 
 #include "delegate/prims/same.h"
+#include "delegate/texture_tiles.h"
 
 namespace delegate {
 
@@ -50,7 +51,11 @@ void LightStore::AcquireTextures() {
     const uint32_t old = light->textureKey;
     const materialgen::AssetValue& file = light->params.texture;
     light->textureKey = 0;
-    if (!file.authoredPath.empty() || !file.resolvedPath.empty()) {
+    if (IsTilePattern(file.resolvedPath)) {
+      sink_({wavefront::Severity::Warning, "texture-missing", path,
+             "The texture \"" + file.resolvedPath +
+                 "\" cannot be used: lights read no tiles. The light shines without it."});
+    } else if (!file.authoredPath.empty() || !file.resolvedPath.empty()) {
       TextureKey key;
       key.resolvedPath = file.resolvedPath;
       if (file.resolvedPath.empty()) key.authoredPath = file.authoredPath;

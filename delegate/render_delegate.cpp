@@ -181,6 +181,11 @@ wavefront::Status RenderDelegate::SetTexture(uint32_t key, wavefront::TextureDat
   return impl_->textures.Set(key, std::move(data));
 }
 
+wavefront::Status RenderDelegate::SetTextureTiles(
+    uint32_t key, std::vector<std::pair<uint32_t, wavefront::TextureData>> tiles) {
+  return impl_->textures.SetTiles(key, std::move(tiles));
+}
+
 wavefront::Status RenderDelegate::SetTextureMissing(uint32_t key, const std::string& reason) {
   return impl_->textures.SetMissing(key, reason);
 }

@@ -93,6 +93,7 @@ class RenderDelegate {
   // --- Textures. Generates dirty materials first.
   std::vector<TextureLoadRequest> PendingTextures();
   wavefront::Status SetTexture(uint32_t key, wavefront::TextureData data);
+  wavefront::Status SetTextureTiles(uint32_t key, std::vector<std::pair<uint32_t, wavefront::TextureData>> tiles);
   wavefront::Status SetTextureMissing(uint32_t key, const std::string& reason);
 
   // --- Settings and what is rendered.

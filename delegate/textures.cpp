@@ -57,18 +57,57 @@ std::vector<TextureLoadRequest> TextureTable::Pending() const {
   return pending;
 }
 
-wavefront::Status TextureTable::Set(uint32_t key, wavefront::TextureData data) {
+namespace {
+wavefront::Status Check(uint32_t key, const wavefront::TextureData& data) {
   const size_t texelBytes = data.format == wavefront::TexelFormat::Rgba8Unorm ? 4 : 8;
   if (data.width == 0 || data.height == 0 || data.texels.size() != size_t{data.width} * data.height * texelBytes)
     return wavefront::Error{"Texture " + std::to_string(key) + " has " + std::to_string(data.texels.size()) +
                             " bytes, which is not what " + std::to_string(data.width) + " x " +
                             std::to_string(data.height) + " texels need."};
+  return {};
+}
+}  // namespace
+
+void TextureTable::Drop(Entry& entry) {
+  if (entry.id != wavefront::kInvalidId) renderer_.DestroyTexture(entry.id);
+  for (wavefront::TextureId tile : entry.tiles) renderer_.DestroyTexture(tile);
+  entry.id = wavefront::kInvalidId;
+  entry.tiles.clear();
+}
+
+wavefront::Status TextureTable::SetTiles(uint32_t key,
+                                         std::vector<std::pair<uint32_t, wavefront::TextureData>> tiles) {
+  for (const auto& [udim, data] : tiles) {
+    if (udim < 1001 || udim > 9999) return wavefront::Error{"There is no tile " + std::to_string(udim) + "."};
+    if (wavefront::Status status = Check(key, data); !status) return status;
+  }
+  if (tiles.empty()) return wavefront::Error{"Texture " + std::to_string(key) + " has no tiles."};
+  std::lock_guard lock(mutex_);
+  const auto found = entries_.find(key);
+  if (found == entries_.end()) return wavefront::Error{"Texture " + std::to_string(key) + " was not asked for."};
+  Entry& entry = found->second;
+  Drop(entry);
+  std::vector<wavefront::TextureTile> set;
+  for (auto& [udim, data] : tiles) {
+    if (data.name.empty()) data.name = entry.request.texture.resolvedPath + " (" + std::to_string(udim) + ")";
+    entry.tiles.push_back(renderer_.CreateTexture(std::move(data)));
+    set.push_back({udim, entry.tiles.back()});
+  }
+  entry.id = renderer_.CreateTextureTiles(std::move(set));
+  entry.missing = false;
+  ++version_;
+  uploads_ += tiles.size();
+  return {};
+}
+
+wavefront::Status TextureTable::Set(uint32_t key, wavefront::TextureData data) {
+  if (wavefront::Status status = Check(key, data); !status) return status;
   std::lock_guard lock(mutex_);
   const auto found = entries_.find(key);
   if (found == entries_.end()) return wavefront::Error{"Texture " + std::to_string(key) + " was not asked for."};
   Entry& entry = found->second;
   if (data.name.empty()) data.name = entry.request.texture.resolvedPath;
-  if (entry.id != wavefront::kInvalidId) renderer_.DestroyTexture(entry.id);
+  Drop(entry);
   entry.id = renderer_.CreateTexture(std::move(data));
   entry.missing = false;
   ++version_;
@@ -84,8 +123,7 @@ wavefront::Status TextureTable::SetMissing(uint32_t key, const std::string& reas
     if (found == entries_.end()) return wavefront::Error{"Texture " + std::to_string(key) + " was not asked for."};
     Entry& entry = found->second;
     if (entry.id != wavefront::kInvalidId) {
-      renderer_.DestroyTexture(entry.id);
-      entry.id = wavefront::kInvalidId;
+      Drop(entry);
       ++version_;
     }
     entry.missing = true;
@@ -120,7 +158,7 @@ void TextureTable::Collect() {
       ++i;
       continue;
     }
-    if (i->second.id != wavefront::kInvalidId) renderer_.DestroyTexture(i->second.id);
+    Drop(i->second);
     keys_.erase(i->second.request.texture);
     i = entries_.erase(i);
   }

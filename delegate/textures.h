@@ -47,6 +47,8 @@ class TextureTable {
   std::vector<TextureLoadRequest> Pending() const;
   // An error where the key is unknown or the data do not fit their size. A second image replaces the first.
   wavefront::Status Set(uint32_t key, wavefront::TextureData data);
+  // The same for a file pattern with <UDIM> or <UVTILE>: tiles by UDIM number, 1001 to 9999.
+  wavefront::Status SetTiles(uint32_t key, std::vector<std::pair<uint32_t, wavefront::TextureData>> tiles);
   wavefront::Status SetMissing(uint32_t key, const std::string& reason);
 
   wavefront::TextureId Id(uint32_t key) const;  // kInvalidId: not loaded or missing
@@ -59,9 +61,11 @@ class TextureTable {
     TextureLoadRequest request;
     uint32_t users = 0;
     wavefront::TextureId id = wavefront::kInvalidId;
+    std::vector<wavefront::TextureId> tiles;  // of a set
     bool missing = false;
     std::string reason;
   };
+  void Drop(Entry& entry);  // what the core holds of it
   void ReportMissing(const Entry& entry, const std::string& location) const;
 
   mutable std::mutex mutex_;

@@ -171,6 +171,7 @@ const Op kOps[] = {
     {"normalmap", "patternNormalMap($0, $1, $2, $3, $4)"},
     // texture, uv, footprint, outside, fallback; text: the wrap modes.
     {"image", "patternImage($0, $1, $2, $t, $3, $4)"},
+    {"image_tiles", "patternTiles($0, $1, $2, $3)"},
     // texture, uv, footprint, amounts, ranges, ...: see lib/hextile.glsl.
     {"hextiles", "hexTiledImage($0, $1, $2, $3, $4, $5, $6, $7)"},
     {"hextiled_normal", "hexTiledNormal($0, $1, $2, $3, $4, $5, $6, $7, $8, $9)"},

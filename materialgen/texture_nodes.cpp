@@ -13,6 +13,12 @@ namespace {
 // Heights are computed three times, and heights of heights nine times: enough for what artists make, not for a flood.
 constexpr size_t kMaximumBeforeMoving = 4000;
 
+// Whether the host will hand over a set of tiles: it goes by the path that it was given to load.
+bool IsTilePattern(const AssetValue& file) {
+  const std::string& path = file.resolvedPath.empty() ? file.authoredPath : file.resolvedPath;
+  return path.find("<UDIM>") != std::string::npos || path.find("<UVTILE>") != std::string::npos;
+}
+
 }  // namespace
 
 // Width of the ray cone in units of the texture coordinate `uv`, followed through what scales it.
@@ -84,6 +90,11 @@ bool NodeEvaluator::EvaluateImage(Port* result) {
   const Id texture = TextureOf("file");
   if (texture == kNone) return Number(result, fallback);
   const bool isUsd = b_.current_ && b_.current_->identifier == "UsdUVTexture";
+  if (IsTilePattern(*e_.AssetOf(In("file")))) {
+    Id width = Footprint(uv);
+    if (width == kNone) width = e_.Number(0);
+    return Number(result, e_.Make("image_tiles", Type::Vec4, {texture, uv, width, e_.Convert(fallback, Type::Vec4)}));
+  }
   // Numbers of WrapMode in wavefront/scene.h.
   bool isConstant = false;
   const auto wrap = [&](std::string_view input, const char* usd) {
@@ -110,8 +121,13 @@ bool NodeEvaluator::EvaluateImage(Port* result) {
 bool NodeEvaluator::EvaluateHexTiles(Port* result) {
   const bool isNormal = node_.definition->category == "hextilednormalmap";
   const Type type = OutputType();
-  const Id fallback = In("default", type), texture = TextureOf("file");
+  const Id fallback = In("default", type);
+  Id texture = TextureOf("file");
   if (fallback == kNone) return false;
+  if (texture != kNone && IsTilePattern(*e_.AssetOf(In("file")))) {
+    Unsupported("'" + node_.definition->name + "': UDIM tiles cannot be hex-tiled; the default is used");
+    texture = kNone;
+  }
   const Id uv = e_.Arithmetic("multiply", {In("texcoord"), In("tiling")});
   Id footprint = Footprint(uv);
   if (footprint == kNone) footprint = e_.Number(0);

@@ -152,6 +152,8 @@ class Renderer {
   virtual void DestroyLight(LightId id) = 0;
   virtual TextureId CreateTexture(TextureData texture) = 0;
   virtual void DestroyTexture(TextureId id) = 0;
+  // A set of tiles, read by materials that ask for one. Destroying it leaves the tiles, which must outlive it.
+  virtual TextureId CreateTextureTiles(std::vector<TextureTile> tiles) = 0;
   virtual void RegisterKernel(MaterialKernelData kernel) = 0;  // no-op where the key is known
   virtual bool HasKernel(const std::string& key) const = 0;
   virtual void SetMegakernelLinker(MegakernelLinker linker) = 0;  // none: no megakernel

@@ -151,6 +151,12 @@ struct TextureData {
   std::vector<uint8_t> texels;           // width * height * (4 or 8) bytes
 };
 
+// Tiles of one image: those of UDIM numbers 1001 to 9999 (1001 + column + 10 * row), each a texture of its own.
+struct TextureTile {
+  uint32_t udim = 1001;
+  TextureId texture = kInvalidId;
+};
+
 // Pinhole or thin-lens camera. Camera space: looks along -Z, +Y up.
 struct CameraData {
   std::vector<TimeSample<Matrix4d>> transforms;  // camera to world

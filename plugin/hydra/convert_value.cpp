@@ -2,6 +2,8 @@
 // Copyright the hdWavefront authors
 #include "plugin/hydra/convert_value.h"
 
+#include "delegate/texture_tiles.h"
+
 #include <pxr/base/gf/half.h>
 #include <pxr/base/gf/matrix3d.h>
 #include <pxr/base/gf/matrix3f.h>
@@ -215,7 +217,7 @@ materialgen::AssetValue ToAsset(const VtValue& value) {
     asset.authoredPath = ToString(value);
     asset.resolvedPath = asset.authoredPath;
   }
-  if (asset.resolvedPath.empty() && asset.authoredPath.find("<UDIM>") != std::string::npos)
+  if (asset.resolvedPath.empty() && delegate::IsTilePattern(asset.authoredPath))
     asset.resolvedPath = asset.authoredPath;
   return asset;
 }

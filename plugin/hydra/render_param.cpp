@@ -5,6 +5,7 @@
 #include <pxr/base/tf/diagnostic.h>
 #include <pxr/base/work/loops.h>
 
+#include "delegate/texture_tiles.h"
 #include "plugin/hydra/texture_loader.h"
 
 namespace hydra {
@@ -44,11 +45,42 @@ void RenderParam::FlushInstances() {
   }
 }
 
+void RenderParam::LoadTiles(const delegate::TextureLoadRequest& request) {
+  const auto files = delegate::FindTiles(request.texture.resolvedPath);
+  std::vector<std::pair<uint32_t, wavefront::TextureData>> tiles;
+  std::string reasons;
+  for (const auto& [number, file] : files) {
+    delegate::TextureKey key = request.texture;
+    key.resolvedPath = file;
+    auto texture = loadTexture_(key);
+    if (texture) tiles.emplace_back(number, std::move(texture).value());
+    else reasons += (reasons.empty() ? "" : "; ") + std::to_string(number) + ": " + texture.error().message;
+  }
+  if (const std::string missing = delegate::MissingTiles(files); !missing.empty())
+    reasons += (reasons.empty() ? "" : "; ") + ("there is no file for " + missing);
+  const auto check = [&](const wavefront::Status& status) {
+    if (!status) Report(wavefront::Severity::Warning, "texture-failed", SdfPath(request.location), status.error().message);
+  };
+  if (tiles.empty()) {
+    const std::string why = files.empty() ? "no tile of the pattern exists." : "no tile can be used (" + reasons + ").";
+    check(core_->SetTextureMissing(request.key, why));
+    return;
+  }
+  if (!reasons.empty())
+    Report(wavefront::Severity::Warning, "texture-tiles-missing", SdfPath(request.location),
+           "Tiles of the texture \"" + request.texture.resolvedPath + "\" show the fallback value: " + reasons + ".");
+  check(core_->SetTextureTiles(request.key, std::move(tiles)));
+}
+
 void RenderParam::LoadTextures() {
   const std::vector<delegate::TextureLoadRequest> requests = core_->PendingTextures();
   WorkParallelForN(requests.size(), [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) {
       const delegate::TextureLoadRequest& request = requests[i];
+      if (delegate::IsTilePattern(request.texture.resolvedPath)) {
+        LoadTiles(request);
+        continue;
+      }
       auto texture = loadTexture_(request.texture);
       const wavefront::Status status = texture
                                            ? core_->SetTexture(request.key, std::move(texture).value())

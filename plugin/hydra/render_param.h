@@ -76,6 +76,7 @@ class RenderParam final : public HdRenderParam {
  private:
   void FlushInstances();
   void LoadTextures();
+  void LoadTiles(const delegate::TextureLoadRequest& request);
   bool Fail(const std::string& message);
 
   std::unique_ptr<delegate::RenderDelegate> core_;

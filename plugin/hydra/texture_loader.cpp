@@ -148,7 +148,6 @@ wavefront::TextureData Convert(const std::string& name, const HioImage::StorageS
 
 wavefront::Result<wavefront::TextureData> LoadTexture(const delegate::TextureKey& texture) {
   const std::string& path = texture.resolvedPath;
-  if (path.find("<UDIM>") != std::string::npos) return wavefront::Error{"UDIM textures are not supported yet."};
   const HioImageSharedPtr image = HioImage::OpenForReading(path, 0, 0, HioImage::Raw, /*suppressErrors=*/true);
   if (!image) return wavefront::Error{"The file cannot be read as an image."};
   HioImage::StorageSpec spec;

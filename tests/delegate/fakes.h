@@ -67,6 +67,12 @@ class FakeRenderer : public wavefront::Renderer {
   void DestroyLight(wavefront::LightId id) override { Remove(lights, id); }
   wavefront::TextureId CreateTexture(wavefront::TextureData d) override { return Add(textures, std::move(d)); }
   void DestroyTexture(wavefront::TextureId id) override { Remove(textures, id); }
+  wavefront::TextureId CreateTextureTiles(std::vector<wavefront::TextureTile> tiles) override {
+    const auto id = CreateTexture({"tiles", 1, 1, wavefront::TexelFormat::Rgba8Unorm, std::vector<uint8_t>(4)});
+    tileSets[id] = std::move(tiles);
+    return id;
+  }
+  std::map<wavefront::TextureId, std::vector<wavefront::TextureTile>> tileSets;
   void RegisterKernel(wavefront::MaterialKernelData k) override {
     ++edits;
     const wavefront::KernelCode code = k.compile(wavefront::KernelEntry::Surface);

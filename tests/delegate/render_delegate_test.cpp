@@ -236,6 +236,42 @@ TEST(RenderDelegate, EachImageIsAskedForOnce) {
   EXPECT_EQ(f.delegate->counters().texturesUploaded, 3u);
 }
 
+TEST(RenderDelegate, TilesOfAPatternAreOneTexture) {
+  Fixture f;
+  f.delegate->Sync("/a", Universal(Network("/a", "surface", 0, "/t.<UDIM>.png")));
+  delegate::LightUpdate dome;
+  dome.params.emplace();
+  dome.params->type = "DomeLight";
+  dome.params->texture = {"t.<UDIM>.png", "/t.<UDIM>.png", ""};
+  f.delegate->Sync("/dome", dome);
+  const auto pending = f.delegate->PendingTextures();
+  ASSERT_EQ(pending.size(), 1u);
+  const uint32_t key = pending[0].key;
+  EXPECT_FALSE(f.delegate->SetTextureTiles(key, {}).ok());
+  EXPECT_FALSE(f.delegate->SetTextureTiles(key, {{1000, Texel()}}).ok());
+  for (int round = 0; round < 2; ++round) {  // the second set replaces the first
+    ASSERT_TRUE(f.delegate->SetTextureTiles(key, {{1001, Texel()}, {1012, Texel()}}).ok());
+    EXPECT_TRUE(f.delegate->PendingTextures().empty());
+    f.Commit();
+    EXPECT_EQ(f.renderer->textures.size(), 3u);  // the tiles and the set
+    const uint32_t id = std::bit_cast<uint32_t>(f.renderer->MaterialOf("/a")->parameters[1].x);
+    ASSERT_TRUE(f.renderer->tileSets.count(id));
+    const auto& tiles = f.renderer->tileSets[id];
+    ASSERT_EQ(tiles.size(), 2u);
+    EXPECT_EQ(tiles[1].udim, 1012u);
+    EXPECT_TRUE(f.renderer->textures.count(tiles[1].texture));
+  }
+  // A light reads no tiles.
+  EXPECT_EQ(f.renderer->lights.begin()->second.texture, wavefront::kInvalidId);
+  const auto told = f.delegate->diagnostics();
+  ASSERT_EQ(told.size(), 1u);
+  EXPECT_EQ(told[0].code, "texture-missing");
+  EXPECT_EQ(told[0].location, "/dome");
+  f.delegate->DestroySprim("/a");
+  f.Commit();
+  EXPECT_TRUE(f.renderer->textures.empty());
+}
+
 TEST(RenderDelegate, MissingImagesLeaveTheFallbackAndSaySo) {
   Fixture f;
   auto unresolved = Network("/a", "surface", 0, "gone.png");

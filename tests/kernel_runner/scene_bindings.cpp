@@ -3,6 +3,7 @@
 // The tables that the scene commit writes, for tests in Python: lights and textures in, bytes of the streams out, so that
 // the kernels' readers are tested against the very layout that C++ makes.
 #include <nanobind/nanobind.h>
+#include <nanobind/stl/pair.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
@@ -84,10 +85,11 @@ LightData LightOf(const nb::dict& from) {
 }
 
 // textures: (width, height, "rgba8" or "rgba16f", bytes), row 0 at the bottom; the index is the texture id.
+// tiles: sets of (UDIM number, texture id), whose ids follow those of the textures.
 // emissive: (instance, records, areas) as EmissiveTriangles. memoryBudget: bytes, 0: the device's.
 nb::dict SceneTables(const std::vector<nb::dict>& lights, const std::vector<std::tuple<uint32_t, uint32_t, std::string, nb::bytes>>& textures,
                      const std::vector<std::tuple<uint32_t, std::vector<uint32_t>, std::vector<float>>>& emissive, double sceneRadius,
-                     uint64_t memoryBudget) {
+                     uint64_t memoryBudget, const std::vector<std::vector<std::pair<uint32_t, uint32_t>>>& tiles) {
   vulkan::DeviceOptions options;
   options.memoryBudgetBytes = memoryBudget;
   auto device = vulkan::Device::Create(options);
@@ -105,6 +107,11 @@ nb::dict SceneTables(const std::vector<nb::dict>& lights, const std::vector<std:
     const auto* first = reinterpret_cast<const uint8_t*>(bytes.c_str());
     data.texels.assign(first, first + bytes.size());
     store.Create(std::move(data));
+  }
+  for (const auto& set : tiles) {
+    std::vector<TextureTile> all;
+    for (const auto& [udim, id] : set) all.push_back({udim, id});
+    store.CreateTiles(std::move(all));
   }
   bool changed = false;
   Check(store.Commit(sink, &changed));
@@ -139,7 +146,8 @@ nb::dict SceneTables(const std::vector<nb::dict>& lights, const std::vector<std:
 }  // namespace
 
 void bindScene(nb::module_& module) {
-  module.def("scene_tables", &SceneTables, nb::arg("lights"), nb::arg("textures"), nb::arg("emissive"), nb::arg("scene_radius"), nb::arg("memory_budget") = 0);
+  module.def("scene_tables", &SceneTables, nb::arg("lights"), nb::arg("textures"), nb::arg("emissive"), nb::arg("scene_radius"),
+             nb::arg("memory_budget") = 0, nb::arg("tiles") = std::vector<std::vector<std::pair<uint32_t, uint32_t>>>());
   module.def("interface_table", [] { return ToBytes(InterfaceTableTexels()); });
   module.def("halve_level", [](const nb::bytes& texels, uint32_t width, uint32_t height, const std::string& format) {
     const auto* first = reinterpret_cast<const uint8_t*>(texels.c_str());

@@ -257,6 +257,33 @@ def test_textures_that_do_not_fit_are_halved_with_a_diagnostic(kernel_runner):
         assert np.abs(got - level[y, x]).max() < 1e-5
 
 
+TILES = """void main() {
+  uint i = gl_GlobalInvocationID.x;
+  if (i >= outputs.length()) return;
+  vec2 uv = inputs[i * IN].xy;
+  uint tile = textureTile(floatBitsToUint(inputs[i * IN].w), uv);
+  outputs[i] = textureExists(tile) ? textureRead(tile, uv, 0.0, kWrapClamp, kWrapClamp, vec4(9.0)) : vec4(-1.0);
+}"""
+
+
+def test_tiles_of_a_set_are_found_by_their_udim_number(kernel_runner):
+    from _kernel_runner import scene_tables
+
+    colors = [np.full((4, 4, 4), 10 * (k + 1), np.uint8) for k in range(3)]
+    numbers = [1001, 1003, 1012]  # the second row's second; 1002 and 1011 are not there
+    tables = scene_tables(
+        [], [(4, 4, "rgba8", c.tobytes()) for c in colors], [], 1.0, tiles=[[(n, k) for k, n in enumerate(numbers)]]
+    )
+    places = {(0.5, 0.5): 10, (2.25, 0.99): 20, (1.5, 1.5): 30, (1.5, 0.5): None, (0.5, 1.5): None}
+    places |= {(-0.5, 0.5): None, (3.5, 0.5): None, (0.5, 2.5): None, (np.nan, 0.5): None, (np.inf, 0.5): None}
+    inputs = np.zeros((len(places), 4), np.float32)
+    inputs[:, :2] = list(places)
+    inputs[:, 3] = bits(np.full(len(places), 3, np.uint32))
+    got = call(kernel_runner, ["lib/textures.glsl"], TILES, inputs, 1, {k: tables[k] for k in TABLES})
+    want = [-1.0 if v is None else v / 255 for v in places.values()]
+    assert np.abs(got[:, 0] - want).max() < 1e-6
+
+
 @pytest.mark.parametrize("broken", [(0, 0, b""), (0, 5, b""), (4, 4, b"short")])
 def test_a_broken_image_is_magenta_with_a_diagnostic(kernel_runner, broken):
     from _kernel_runner import scene_tables

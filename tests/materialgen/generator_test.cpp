@@ -123,6 +123,19 @@ TEST(MaterialGen, PlainPreviewSurfaceIsDiffuseAndOneSpecular) {
   ExpectCompiles(result.material, "plain");
 }
 
+// The host loads a set where the resolved path is a pattern: the kernel must read it as one, and nothing else.
+TEST(MaterialGen, TilesAreReadWhereTheFileIsAPattern) {
+  const std::map<std::string, bool> files = {{"t.<UDIM>.png", true}, {"t_<UVTILE>.png", true}, {"t.1001.png", false}};
+  for (const auto& [file, isPattern] : files) {
+    MaterialNetwork network = Preview();
+    AddTexture(&network, "diffuseColor", "rgb", file);
+    const Result result = RunNetwork(network);
+    EXPECT_EQ(result.material.kernel->surface.find("patternTiles(") != std::string::npos, isPattern) << file;
+    EXPECT_EQ(result.material.kernel->surface.find("patternImage(") != std::string::npos, !isPattern) << file;
+    ExpectCompiles(result.material, file);
+  }
+}
+
 // Every input with a value of its own, and with a texture: compiles, and asks for what it should.
 TEST(MaterialGen, EveryPreviewSurfaceInputCompiles) {
   const std::map<std::string, Value> values = {{"diffuseColor", Color{0.5f, 0.2f, 0.1f}},

@@ -203,6 +203,74 @@ def test_broken_prims_are_named_and_the_rest_is_drawn(core, stage_file, tmp_path
     assert np.isfinite(pixels).all()
 
 
+TILED = """def Mesh "quad" (
+    prepend apiSchemas = ["MaterialBindingAPI"]
+)
+{
+    rel material:binding = </m>
+    int[] faceVertexCounts = [4]
+    int[] faceVertexIndices = [0, 1, 2, 3]
+    point3f[] points = [(-1, -1, 0), (1, -1, 0), (1, 1, 0), (-1, 1, 0)]
+    texCoord2f[] primvars:st = [(0, 0), (2, 0), (2, 2), (0, 2)] (
+        interpolation = "vertex"
+    )
+}
+def Camera "main_cam" {
+    token projection = "orthographic"
+    float horizontalAperture = 20
+    float verticalAperture = 20
+    double3 xformOp:translate = (0, 0, 8)
+    uniform token[] xformOpOrder = ["xformOp:translate"]
+}
+def Material "m" {
+    token outputs:surface.connect = </m/s.outputs:surface>
+    def Shader "s" {
+        uniform token info:id = "UsdPreviewSurface"
+        color3f inputs:diffuseColor = (0, 0, 0)
+        color3f inputs:specularColor = (0, 0, 0)
+        int inputs:useSpecularWorkflow = 1
+        color3f inputs:emissiveColor.connect = </m/t.outputs:rgb>
+        token outputs:surface
+    }
+    def Shader "t" {
+        uniform token info:id = "UsdUVTexture"
+        asset inputs:file = @./t.<UDIM>.exr@
+        token inputs:sourceColorSpace = "raw"
+        float4 inputs:fallback = (4, 5, 6, 1)
+        float2 inputs:st.connect = </m/r.outputs:result>
+        color3f outputs:rgb
+    }
+    def Shader "r" {
+        uniform token info:id = "UsdPrimvarReader_float2"
+        string inputs:varname = "st"
+        float2 outputs:result
+    }
+}
+"""
+
+
+def test_udim_tiles_lie_where_their_numbers_say(core, stage_file, tmp_path, capfd):
+    """Columns to the right, rows upwards; no tile shows the fallback, and one diagnostic names it."""
+    from hdwavefront.cli.main import main
+
+    colors = {1001: (1, 0, 0), 1002: (0, 1, 0), 1011: (0, 0, 1)}
+    for number, color in colors.items():
+        output = oiio.ImageOutput.create(str(tmp_path / f"t.{number}.exr"))
+        output.open(str(tmp_path / f"t.{number}.exr"), oiio.ImageSpec(4, 4, 3, oiio.HALF))
+        output.write_image(np.broadcast_to(np.array(color, np.float32), (4, 4, 3)).copy())
+        output.close()
+    image = tmp_path / "o.exr"
+    code = main(["record", stage_file(TILED), str(image), "-w", "16", "--samples", "1"])
+    _, err = capfd.readouterr()
+    assert code == 0 and err.count("texture-tiles-missing") == 1 and "there is no file for 1012" in err, err
+    assert ": /m/t: " in err, err
+    pixels = oiio.ImageInput.open(str(image)).read_image(oiio.FLOAT)
+    assert pixels.shape[:2] == (16, 16)
+    places = {(12, 4): colors[1001], (12, 12): colors[1002], (4, 4): colors[1011], (4, 12): (4, 5, 6)}
+    for (y, x), color in places.items():
+        np.testing.assert_allclose(pixels[y, x, :3], color, atol=1e-3)
+
+
 def test_a_render_goes_on_in_the_background(core, stage_file):
     import hdwavefront
 

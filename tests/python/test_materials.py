@@ -299,6 +299,7 @@ def test_files_are_resolved_and_tiles_anchored_where_they_are_written(tmp_path):
 def Shader "s" {
     asset inputs:found = @./a.png@
     asset inputs:tiles = @./t.<UDIM>.png@
+    asset inputs:searched = @s/t.<UDIM>.png@
     asset inputs:gone = @./gone.png@
     asset inputs:moving.timeSamples = { 1: @./gone.png@, 2: @./a.png@ }
     asset inputs:none = @@
@@ -315,6 +316,7 @@ def Shader "s" {
 
     assert value("found")["resolved"] == str(tmp_path / "below/a.png")
     assert value("tiles")["resolved"] == str(tmp_path / "below/t.<UDIM>.png")
+    assert value("searched")["resolved"] == str(tmp_path / "below/s/t.<UDIM>.png")
     assert value("gone") == {"authored": "./gone.png", "resolved": "", "colorSpace": ""}
     assert value("moving", 2)["resolved"] == str(tmp_path / "below/a.png")
     assert value("none") is None and value("blocked") is None

@@ -390,7 +390,7 @@ def test_textures_that_fail_are_handed_on_with_the_reason(run, scene, tmp_path, 
     monkeypatch.setattr(RecordingDelegate, "_pending_textures", lambda self: requests)
     assert run("record", scene, tmp_path / "o.exr", "-w", 8)[0] == 0
     reasons = recorded[0].textures
-    assert "does not exist" in reasons[0] and "cannot be read" in reasons[1] and "UDIM" in reasons[2]
+    assert "does not exist" in reasons[0] and "cannot be read" in reasons[1] and "no tile" in reasons[2]
 
 
 def test_statistics(run, scene, tmp_path):

@@ -12,7 +12,7 @@ import pytest
 from hdwavefront.color.manager import ColorManager
 from hdwavefront.errors import Diagnostics
 from hdwavefront.image_io import textures
-from hdwavefront.image_io.textures import TextureError, load_texture
+from hdwavefront.image_io.textures import TextureError, load_texture, load_tiles, tile_files
 
 
 @pytest.fixture(scope="module")
@@ -147,7 +147,6 @@ def test_values_that_no_half_holds_are_clipped_and_said(load, tmp_path):
         ("gone.png", None, "does not exist"),
         ("empty.png", b"", "cannot be read"),
         ("text.exr", b"this is no image", "cannot be read"),
-        ("t.<UDIM>.png", None, "UDIM"),
     ],
 )
 def test_broken_files_say_why(load, tmp_path, name, content, reason):
@@ -155,6 +154,31 @@ def test_broken_files_say_why(load, tmp_path, name, content, reason):
         (tmp_path / name).write_bytes(content)
     with pytest.raises(TextureError, match=reason):
         load(tmp_path / name)
+
+
+def test_tiles_are_found_by_their_numbers(tmp_path):
+    for name in ("t.1001.png", "t.1012.png", "t.101.png", "t.0999.png", "x1003.png", "s_u1_v1.png", "s_u2_v2.png"):
+        (tmp_path / name).touch()
+    assert tile_files(str(tmp_path / "t.<UDIM>.png")) == {
+        1001: str(tmp_path / "t.1001.png"),
+        1012: str(tmp_path / "t.1012.png"),
+    }
+    assert list(tile_files(str(tmp_path / "s_<UVTILE>.png"))) == [1001, 1012]
+    assert tile_files(str(tmp_path / "gone/t.<UDIM>.png")) == {}
+
+
+def test_missing_tiles_are_said_once(tmp_path):
+    diagnostics = Diagnostics()
+    for tile in (1001, 1003):
+        write(tmp_path / f"t.{tile}.exr", gradient(3, np.float32, (4, 4)))
+    (tmp_path / "t.1004.exr").write_bytes(b"this is no image")
+    tiles = load_tiles(str(tmp_path / "t.<UDIM>.exr"), "raw", True, ColorManager(), diagnostics, "/m/t")
+    assert list(tiles) == [1001, 1003] and tiles[1001].shape == (4, 4, 4)
+    assert [(d.code, d.location) for d in diagnostics] == [("texture-tiles-missing", "/m/t")]
+    text = next(iter(diagnostics)).message
+    assert "1004: the file" in text and "there is no file for 1002." in text
+    with pytest.raises(TextureError, match="no tile"):
+        load_tiles(str(tmp_path / "u.<UDIM>.exr"), "raw", True, ColorManager(), diagnostics, "/m/u")
 
 
 def test_a_cut_off_file_says_so(load, tmp_path):

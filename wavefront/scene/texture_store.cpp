@@ -85,9 +85,15 @@ TextureId TextureStore::Create(TextureData texture) {
   staged_[next_] = std::move(texture);
   return next_++;
 }
+TextureId TextureStore::CreateTiles(std::vector<TextureTile> tiles) {
+  std::lock_guard lock(mutex_);
+  stagedTiles_[next_] = std::move(tiles);
+  return next_++;
+}
 void TextureStore::Destroy(TextureId id) {
   std::lock_guard lock(mutex_);
   staged_.erase(id);
+  stagedTiles_.erase(id);
   destroyed_.push_back(id);
 }
 
@@ -122,8 +128,12 @@ TextureStore::Resident TextureStore::Layout(const TextureData& texture) {
 
 Status TextureStore::Commit(const DiagnosticSink& sink, bool* changed) {
   std::lock_guard lock(mutex_);
-  *changed = !staged_.empty() || !destroyed_.empty();
+  *changed = !staged_.empty() || !destroyed_.empty() || !stagedTiles_.empty();
   for (TextureId id : destroyed_) {
+    if (auto tiles = residentTiles_.find(id); tiles != residentTiles_.end()) {
+      pageTable.Free(tiles->second.table);
+      residentTiles_.erase(tiles);
+    }
     auto it = resident_.find(id);
     if (it == resident_.end()) continue;
     pages.Free(it->second.blocks);
@@ -142,6 +152,7 @@ Status TextureStore::Commit(const DiagnosticSink& sink, bool* changed) {
   }
   ReduceToFit(sink);
   for (auto& [id, texture] : staged_) resident_[id] = Layout(texture);
+  for (const auto& [id, tiles] : stagedTiles_) residentTiles_[id] = LayoutTiles(tiles);
   // Texture ids are record indices.
   if (next_ > records.elements()) records.Allocate(next_ - records.elements());
   for (Stream* stream : {&records, &pageTable, &pages}) {
@@ -152,7 +163,33 @@ Status TextureStore::Commit(const DiagnosticSink& sink, bool* changed) {
     texture = {};
   }
   staged_.clear();
+  for (const auto& [id, tiles] : stagedTiles_) {
+    if (Status s = UploadTiles(id, tiles); !s) return s;
+  }
+  stagedTiles_.clear();
   return {};
+}
+
+TextureStore::TileTable TextureStore::LayoutTiles(const std::vector<TextureTile>& tiles) {
+  TileTable t;
+  for (const TextureTile& tile : tiles) {
+    t.columns = std::max(t.columns, (tile.udim - 1001) % 10 + 1);
+    t.rows = std::max(t.rows, (tile.udim - 1001) / 10 + 1);
+  }
+  t.table = pageTable.Allocate(static_cast<uint64_t>(t.columns) * t.rows);
+  return t;
+}
+
+Status TextureStore::UploadTiles(TextureId id, const std::vector<TextureTile>& tiles) {
+  const TileTable& t = residentTiles_[id];
+  std::vector<uint32_t> table(static_cast<std::size_t>(t.columns) * t.rows, kInvalidId);
+  for (const TextureTile& tile : tiles) {
+    const uint32_t place = tile.udim - 1001;
+    table[place / 10 * t.columns + place % 10] = tile.texture;
+  }
+  if (Status s = pageTable.Write<uint32_t>(t.table, table); !s) return s;
+  const uint32_t record[4] = {t.columns, t.rows, 0, t.table.first};
+  return records.Write<uint32_t>({id, 1}, record);
 }
 
 Status TextureStore::Upload(TextureId id, TextureData& texture) {

@@ -27,6 +27,7 @@ class TextureStore {
   // Staging; thread-safe. An image of zero size or with too few bytes becomes one magenta texel and a diagnostic at commit.
   TextureId Create(TextureData texture);
   void Destroy(TextureId id);
+  TextureId CreateTiles(std::vector<TextureTile> tiles);
 
   Status Commit(const DiagnosticSink& sink, bool* changed);
   uint64_t count() const { return resident_.size(); }
@@ -51,6 +52,10 @@ class TextureStore {
   Resident Layout(const TextureData& texture);
   void ReduceToFit(const DiagnosticSink& sink);
   Status Upload(TextureId id, TextureData& texture);
+  // A set's record: its columns and rows, and where its texture ids stand, row by row.
+  struct TileTable { uint32_t columns = 0, rows = 0; Range table; };
+  TileTable LayoutTiles(const std::vector<TextureTile>& tiles);
+  Status UploadTiles(TextureId id, const std::vector<TextureTile>& tiles);
 
   const uint64_t maxBlocks_;  // what one texel-buffer view may hold, and half the memory budget
 
@@ -58,6 +63,8 @@ class TextureStore {
   std::map<TextureId, TextureData> staged_;
   std::vector<TextureId> destroyed_;
   std::map<TextureId, Resident> resident_;
+  std::map<TextureId, std::vector<TextureTile>> stagedTiles_;
+  std::map<TextureId, TileTable> residentTiles_;
   TextureId next_ = 0;
 };
 

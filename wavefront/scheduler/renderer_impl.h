@@ -34,6 +34,9 @@ class RendererImpl final : public Renderer {
   void DestroyLight(LightId id) override { scene_->DestroyLight(id); }
   TextureId CreateTexture(TextureData texture) override { return scene_->textures.Create(std::move(texture)); }
   void DestroyTexture(TextureId id) override { scene_->textures.Destroy(id); }
+  TextureId CreateTextureTiles(std::vector<TextureTile> tiles) override {
+    return scene_->textures.CreateTiles(std::move(tiles));
+  }
   void RegisterKernel(MaterialKernelData kernel) override { scene_->materials.RegisterKernel(std::move(kernel)); }
   bool HasKernel(const std::string& key) const override { return scene_->materials.HasKernel(key); }
   void SetMegakernelLinker(MegakernelLinker linker) override { tracer_->megakernel().SetLinker(std::move(linker)); }

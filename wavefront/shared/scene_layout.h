@@ -103,6 +103,7 @@ WF_CONST(kLightItemTexels, 1u)
 
 // ---- Texture record: 1 texel (uvec4) -------------------------------------------------------------------------
 // width, height, mip count | format (TexelFormat) << 16, first uint of its own in the page table
+// (A set of UDIM tiles: columns, rows, 0, first of columns * rows texture ids in the page table.)
 // There stands a uint per level: where in the page table the level's entries start. An entry is where its texels start
 // in the pool, counted in texels of the format. A page is 64 x 64 texels, and the column and row that follow them, in rows
 // of kPagePitch texels; levels of at most 32 texels share one page, each with an entry of its own.

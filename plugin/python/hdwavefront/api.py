@@ -309,21 +309,26 @@ class Render:
 
     def _load_textures(self) -> None:
         """Decodes what is missing: two at a time, so that large images do not pile up."""
-        from .image_io.textures import TextureError, load_texture
+        from .image_io.textures import TextureError, is_tiled, load_texture, load_tiles
 
-        def load(request: Any) -> np.ndarray:
-            return load_texture(
-                request.resolved_path, request.color_space, request.is_color, self.colors, self.diagnostics
-            )
+        def load(request: Any) -> Any:
+            path, space, colors, diagnostics = request.resolved_path, request.color_space, self.colors, self.diagnostics
+            if is_tiled(path):
+                return load_tiles(path, space, request.is_color, colors, diagnostics, request.location)
+            return load_texture(path, space, request.is_color, colors, diagnostics)
 
-        def hand_over(request: Any, loading: Future[np.ndarray]) -> None:
+        def hand_over(request: Any, loading: Future[Any]) -> None:
             try:
-                self.delegate.set_texture(request.key, loading.result())
+                pixels = loading.result()
+                if isinstance(pixels, dict):
+                    self.delegate.set_texture_tiles(request.key, list(pixels), list(pixels.values()))
+                else:
+                    self.delegate.set_texture(request.key, pixels)
             except TextureError as error:
                 self.delegate.set_texture_missing(request.key, f"{error}.")
 
         with ThreadPoolExecutor(2) as pool:
-            waiting: list[tuple[Any, Future[np.ndarray]]] = []
+            waiting: list[tuple[Any, Future[Any]]] = []
             for request in self.delegate.pending_textures():
                 waiting.append((request, pool.submit(load, request)))
                 if len(waiting) == 2:

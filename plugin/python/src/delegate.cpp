@@ -84,6 +84,17 @@ void SetTexture(RenderDelegate& self, uint32_t key, nb::object pixels, bool bott
   if (!status) RaiseValue(status.error().message);
 }
 
+void SetTextureTiles(RenderDelegate& self, uint32_t key, const std::vector<uint32_t>& numbers, nb::list pixels) {
+  if (numbers.size() != nb::len(pixels)) RaiseValue("a number for each tile is wanted");
+  std::vector<std::pair<uint32_t, wavefront::TextureData>> tiles;
+  for (size_t i = 0; i < numbers.size(); ++i) tiles.emplace_back(numbers[i], ReadTexture(pixels[i], false));
+  auto status = [&] {
+    nb::gil_scoped_release release;
+    return self.SetTextureTiles(key, std::move(tiles));
+  }();
+  if (!status) RaiseValue(status.error().message);
+}
+
 void SetTextureMissing(RenderDelegate& self, uint32_t key, const std::string& reason) {
   if (auto status = self.SetTextureMissing(key, reason); !status) RaiseValue(status.error().message);
 }
@@ -102,6 +113,7 @@ void BindDelegate(nb::module_& module) {
   type.def("setting", &GetSetting, "token"_a);
   type.def("pending_textures", &RenderDelegate::PendingTextures, nb::call_guard<nb::gil_scoped_release>());
   type.def("set_texture", &SetTexture, "key"_a, "pixels"_a, nb::kw_only(), "bottom_up"_a = false);
+  type.def("set_texture_tiles", &SetTextureTiles, "key"_a, "numbers"_a, "pixels"_a);
   type.def("set_texture_missing", &SetTextureMissing, "key"_a, "reason"_a);
   type.def("diagnostics", &RenderDelegate::diagnostics, "since"_a = 0);
   BindGprimSync(type);

@@ -121,6 +121,12 @@ vec4 patternImage(uint textureId, vec2 uv, float footprint, uint wrapU, uint wra
   return textureExists(textureId) ? textureRead(textureId, uv, footprint, wrapU, wrapV, outside) : fallback;
 }
 
+// A set of UDIM tiles, which end at their borders.
+vec4 patternTiles(uint setId, vec2 uv, float footprint, vec4 fallback) {
+  uint textureId = textureTile(setId, uv);
+  return textureExists(textureId) ? textureRead(textureId, uv, footprint, kWrapClamp, kWrapClamp, fallback) : fallback;
+}
+
 float patternMaximumAbs(float v) { return abs(v); }
 float patternMaximumAbs(vec2 v) { return max(abs(v.x), abs(v.y)); }
 float patternMaximumAbs(vec3 v) { return max(max(abs(v.x), abs(v.y)), abs(v.z)); }

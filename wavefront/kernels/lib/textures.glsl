@@ -44,6 +44,16 @@ vec4 textureTexel(bool isHalf, int at) {
   return isHalf ? fromHalfs : fromBytes;
 }
 
+// The tile of a set that holds uv: its texture, 0xffffffff where there is none; uv moves into it.
+uint textureTile(uint setId, inout vec2 uv) {
+  if (setId == 0xffffffffu || any(isnan(uv)) || any(isinf(uv))) return 0xffffffffu;
+  uvec4 info = texelFetch(textureRecords, int(setId));
+  vec2 tile = floor(uv);
+  if (any(lessThan(tile, vec2(0.0))) || any(greaterThanEqual(tile, vec2(info.xy)))) return 0xffffffffu;
+  uv -= tile;
+  return texelFetch(pageTable, int(info.w + uint(tile.y) * info.x + uint(tile.x))).x;
+}
+
 vec4 textureRead(uint textureId, vec2 uv, float footprint, uint wrapU, uint wrapV, vec4 outside) {
   if (textureId == 0xffffffffu) return outside;
   uvec4 info = texelFetch(textureRecords, int(textureId));

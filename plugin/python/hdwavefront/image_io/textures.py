@@ -7,6 +7,7 @@ colour space elsewhere. Files are read in strips, so that the host never holds m
 from __future__ import annotations
 
 import os
+import re
 import tempfile
 from collections.abc import Callable, Iterator
 from typing import Any
@@ -33,8 +34,6 @@ def load_texture(
     `color_space`: raw, sRGB, auto, a space's name, or empty, which is auto. Grey images fill red, green and blue; a
     second channel is alpha, as UsdUVTexture has it.
     """
-    if "<UDIM>" in path:
-        raise TextureError("UDIM textures are not supported yet")
     if os.path.exists(path):
         return _load_file(path, color_space, is_color, colors, diagnostics)
     data = _package_bytes(path)
@@ -45,6 +44,67 @@ def load_texture(
         file.write(data)
         file.flush()
         return _load_file(file.name, color_space, is_color, colors, diagnostics)
+
+
+TILE_TOKENS = ("<UDIM>", "<UVTILE>")
+
+
+def is_tiled(path: str) -> bool:
+    return any(token in path for token in TILE_TOKENS)
+
+
+def tile_files(pattern: str) -> dict[int, str]:
+    """Files of a pattern by UDIM number. <UDIM>: 1001 + column + 10 row; <UVTILE>: u<column + 1>_v<row + 1>."""
+    folder, name = os.path.split(pattern)
+    token = next(t for t in TILE_TOKENS if t in name) if is_tiled(name) else ""
+    if not token or not os.path.isdir(folder or "."):
+        return {}
+    head, tail = (re.escape(part) for part in name.split(token, 1))
+    number = r"(\d{4})" if token == "<UDIM>" else r"u(\d+)_v(\d+)"
+    found: dict[int, str] = {}
+    for file in os.listdir(folder or "."):
+        match = re.fullmatch(head + number + tail, file)
+        if match is None:
+            continue
+        if token == "<UDIM>":
+            tile = int(match[1])
+        else:
+            column, row = int(match[1]) - 1, int(match[2]) - 1
+            tile = 1001 + column + 10 * row if 0 <= column < 10 and row >= 0 else 0
+        if 1001 <= tile <= 9999:
+            found[tile] = os.path.join(folder, file)
+    return dict(sorted(found.items()))
+
+
+def load_tiles(
+    pattern: str, color_space: str, is_color: bool, colors: ColorManager, diagnostics: Diagnostics, location: str
+) -> dict[int, np.ndarray]:
+    """Tiles by UDIM number. Those that cannot be used, or lie between others and are not there, are said once, at
+    `location`: the node that asked.
+    """
+    files = tile_files(pattern)
+    if not files:
+        raise TextureError("no tile of the pattern exists")
+    tiles: dict[int, np.ndarray] = {}
+    reasons: list[str] = []
+    for tile, file in files.items():
+        try:
+            tiles[tile] = load_texture(file, color_space, is_color, colors, diagnostics)
+        except TextureError as error:
+            reasons.append(f"{tile}: {error}")
+    if not tiles:
+        raise TextureError(f"no tile can be used ({'; '.join(reasons)})")
+    columns = {(tile - 1001) % 10 for tile in files}
+    rows = {(tile - 1001) // 10 for tile in files}
+    box = {1001 + u + 10 * v for u in range(min(columns), max(columns) + 1) for v in range(min(rows), max(rows) + 1)}
+    missing = sorted(box - set(files))
+    if missing:
+        more = ", and more" if len(missing) > 8 else ""
+        reasons.append(f"there is no file for {', '.join(map(str, missing[:8]))}{more}")
+    if reasons:
+        text = f'Tiles of the texture "{pattern}" show the fallback value: {"; ".join(reasons)}.'
+        diagnostics.warning("texture-tiles-missing", location, text)
+    return tiles
 
 
 def _package_bytes(path: str) -> Any:

@@ -21,7 +21,7 @@ def asset_value(attribute: Usd.Attribute, time: Usd.TimeCode) -> Update | None:
     if not authored:
         return None
     resolved = value.resolvedPath if isinstance(value, Sdf.AssetPath) else ""
-    if "<UDIM>" in authored and not resolved:
+    if ("<UDIM>" in authored or "<UVTILE>" in authored) and not resolved:
         resolved = _anchor(attribute, authored, time)
     return {"authored": authored, "resolved": resolved, "colorSpace": str(attribute.GetColorSpace())}
 
@@ -30,7 +30,10 @@ def _anchor(attribute: Usd.Attribute, authored: str, time: Usd.TimeCode) -> str:
     """A pattern beside the layer that authored it; the resolver only finds files that exist under their own name."""
     for spec in attribute.GetPropertyStack(time):
         if spec.HasInfo("default") or spec.HasInfo("timeSamples"):
-            return os.path.normpath(spec.layer.ComputeAbsolutePath(authored))
+            path = os.path.normpath(spec.layer.ComputeAbsolutePath(authored))
+            # USD leaves a search path ("t.<UDIM>.png", without "./") as it is where no file has that very name.
+            beside = os.path.dirname(spec.layer.realPath)
+            return path if os.path.isabs(path) or not beside else os.path.normpath(os.path.join(beside, path))
     return authored
 
 
