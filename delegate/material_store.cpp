@@ -112,6 +112,13 @@ std::vector<uint32_t> MaterialStore::Acquire(const Material& material, const mat
   return keys;
 }
 
+void MaterialStore::SetOptions(const materialgen::GenerateOptions& options) {
+  if (options.diffuseSubsurface == options_.diffuseSubsurface) return;
+  options_ = options;
+  std::lock_guard lock(mutex_);
+  for (auto& [path, material] : materials_) material->dirty = true;
+}
+
 void MaterialStore::Generate() {
   std::vector<Material*> dirty;
   for (auto& [path, material] : materials_)
@@ -127,7 +134,7 @@ void MaterialStore::Generate() {
     material.hasNetwork = network != nullptr;
     for (const auto& [context, candidate] : material.update.contexts)
       if (&candidate == network) material.context = context;
-    material.compiled = network ? generator_.Generate(*network, messages) : materialgen::CompiledMaterial();
+    material.compiled = network ? generator_.Generate(*network, messages, options_) : materialgen::CompiledMaterial();
     const materialgen::MaterialNetwork* displacement = ChooseDisplacement(material.update);
     material.displaced =
         displacement ? generator_.GenerateDisplacement(*displacement, messages) : materialgen::CompiledMaterial();
@@ -221,6 +228,8 @@ void MaterialStore::Upload(Material& material) {
   wavefront::MaterialData data;
   data.path = material.path;
   data.kernelKey = compiled.kernel->key;
+  data.mediumPriority = compiled.mediumPriority;
+  data.scatters = compiled.scatters;
   data.parameters = Block(compiled, material.textureKeys);
   if (material.id != wavefront::kInvalidId && Same(data, material.data)) return;
   material.data = data;

@@ -31,6 +31,8 @@ class MaterialStore {
   bool Sync(const std::string& path, MaterialUpdate update);  // true: there is something to commit
   void Destroy(const std::string& path);
 
+  // Before Generate; other options than before make all materials dirty.
+  void SetOptions(const materialgen::GenerateOptions& options);
   // Networks of dirty materials become kernels' sources and values, in parallel; their textures are asked for.
   void Generate();
   // Registers kernels not seen before, which the core compiles in the background when they are worn first; creates and
@@ -89,6 +91,7 @@ class MaterialStore {
 
   wavefront::Renderer& renderer_;
   materialgen::Generator& generator_;
+  materialgen::GenerateOptions options_;
   TextureTable& textures_;
   wavefront::DiagnosticSink sink_;
   unsigned threads_;

@@ -273,6 +273,7 @@ wavefront::Status RenderDelegate::CommitResources() {
     what.sceneMaterials = impl.settings.Bool("enableSceneMaterials");
     what.displacementTriangles = static_cast<uint64_t>(impl.settings.Int("displacementTriangles"));
     sceneLights = impl.settings.Bool("enableSceneLights");
+    impl.materials.SetOptions({.diffuseSubsurface = !impl.settings.Bool("subsurfaceRandomWalk")});
   }
   impl.materials.Commit();
   impl.gprims.Commit(what);

@@ -50,9 +50,9 @@ Type NumbersOf(const Value& value, Constant* out) {
 
 }  // namespace
 
-Builder::Builder(Library* library, const MaterialNetwork& network, Expressions* expressions,
-                 const SurfaceFacts& facts)
-    : library_(*library), network_(network), e_(*expressions), facts_(facts) {}
+Builder::Builder(Library* library, const MaterialNetwork& network, Expressions* expressions, const SurfaceFacts& facts,
+                 bool diffuseSubsurface)
+    : library_(*library), network_(network), e_(*expressions), facts_(facts), diffuseSubsurface_(diffuseSubsurface) {}
 
 void Builder::Say(Severity severity, const std::string& code, const std::string& location, const std::string& text) {
   const std::string where = location.empty() ? network_.path : location;
@@ -149,17 +149,20 @@ Material Builder::Build() {
   Material material;
   material.closureTree = ClosureText(e_, bsdfs_, surface.bsdf);
   material.closure = Linearise(&e_, bsdfs_, surface.bsdf);
-  if (surface.isThinWalled) material.closure.extinction = kNone;
+  if (surface.isThinWalled) material.closure.inside = {};
   material.facts = {material.closure.transmits, surface.isThinWalled};
-  const auto unsupported = [&](bool isThere, const char* text) {
-    if (isThere) Say(Severity::Warning, "material-unsupported-feature", network_.path, text);
-  };
-  unsupported(material.closure.hasSubsurface, "subsurface scattering is rendered as diffuse reflection");
   if (surface.opacity != kNone && !e_.Decide(surface.opacity, 1)) {
     material.opacity = e_.Arithmetic("clamp", {surface.opacity, e_.Number(0), e_.Number(1)});
   }
   if (surface.emission != kNone && !e_.Decide(surface.emission, 0)) {
     material.emission = e_.Convert(surface.emission, Type::Vec3);
+  }
+  if (root != entryOf_.end()) {
+    const auto priority = entries_[root->second].node->parameters.find("dielectric_priority");
+    Constant value{};
+    if (priority != entries_[root->second].node->parameters.end() && IsVector(NumbersOf(priority->second, &value))) {
+      material.priority = int(std::clamp(value[0], 0.0f, 31.0f));
+    }
   }
   return material;
 }
@@ -179,7 +182,7 @@ Surface Builder::Fallback() {
 }
 
 // MaterialX's graph of standard_surface does not read these inputs at all, so nobody else could say it.
-// (transmission_depth is rendered: see EvaluateTransmissionDepth.)
+// (transmission_depth and what comes with it is rendered: see EvaluateTransmissionDepth.)
 void Builder::SayIgnoredTransmission(const Entry& entry) {
   const auto isSet = [&](const char* input) {
     if (entry.connections.count(input)) return true;
@@ -193,7 +196,9 @@ void Builder::SayIgnoredTransmission(const Entry& entry) {
   const auto say = [&](const char* input, const char* text) {
     if (isSet(input)) Say(Severity::Warning, "material-unsupported-feature", entry.node->path, text);
   };
-  say("transmission_scatter", "transmission_scatter is ignored: the body does not scatter");
+  if (!isSet("transmission_depth")) {
+    say("transmission_scatter", "transmission_scatter is ignored: without a transmission_depth the body is clear");
+  }
   say("transmission_dispersion", "transmission_dispersion is ignored: all colours refract alike");
 }
 
@@ -308,8 +313,10 @@ Port Builder::DefaultInput(const materialgen::Node* node, const PortDefinition& 
 Port Builder::Literal(Type type, const std::string& text) {
   if (type == Type::String) return {type, e_.Text(text)};
   if (type == Type::Asset) return {type, e_.Asset({text, {}, {}})};
-  if (type == Type::Bsdf || type == Type::Surface || type == Type::Displacement || type == Type::None)
+  if (type == Type::Bsdf || type == Type::Vdf || type == Type::Surface || type == Type::Displacement ||
+      type == Type::None) {
     return {type, kNone};
+  }
   Constant numbers{};
   ParseNumbers(text, type, &numbers);
   return {type, e_.Literal(type, numbers)};

@@ -33,7 +33,7 @@ struct Surface {
 // Value of an input or output.
 struct Port {
   Type type = Type::None;
-  Id id = kNone;           // expression, Bsdf or Surface by type; kNone with Bsdf: no closure. Displacement: an
+  Id id = kNone;           // expression, Bsdf, Vdf or Surface by type; kNone with Bsdf: no closure. Displacement: an
                            // expression, a number along the normal or a vector in (dPdu, dPdv, N); kNone: none
   bool isUnknown = false;  // comes from a node that nobody knows
 };
@@ -46,12 +46,14 @@ struct Material {
   Id emission = kNone;
   std::string closureTree;  // in words
   Id displacement = kNone;  // of BuildDisplacement only: by how much a point moves, in object space
+  int priority = 0;  // of its inside, 0..31
 };
 
 class Builder {
  public:
-  // `facts`: what a pass before found out.
-  Builder(Library* library, const MaterialNetwork& network, Expressions* expressions, const SurfaceFacts& facts);
+  // `facts`: what a pass before found out. `diffuseSubsurface`: GenerateOptions.
+  Builder(Library* library, const MaterialNetwork& network, Expressions* expressions, const SurfaceFacts& facts,
+          bool diffuseSubsurface = false);
 
   Material Build();
   Material BuildDisplacement();
@@ -103,7 +105,9 @@ class Builder {
   const MaterialNetwork& network_;
   Expressions& e_;
   SurfaceFacts facts_;
+  bool diffuseSubsurface_;
   std::vector<Bsdf> bsdfs_;
+  std::vector<Vdf> vdfs_;
   std::vector<Surface> surfaces_;
   std::vector<Entry> entries_;
   std::unordered_map<std::string, uint32_t> entryOf_;
@@ -132,6 +136,8 @@ class NodeEvaluator {
   bool EvaluateOverride(Port* result);
   bool EvaluateTransmissionDepth(Port* result);
   bool EvaluateText(Port* result);
+  bool EvaluateVdf(Port* result);
+  bool AddVdf(Port* result, const Vdf& vdf);
   bool EvaluateArithmetic(Port* result);
   bool EvaluateChannels(Port* result);
   bool EvaluateChoice(Port* result);

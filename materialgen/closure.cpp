@@ -16,6 +16,7 @@ constexpr LobeKind kLobes[] = {
     {"oren_nayar_compensated", "orenNayarCompensated", "OrenNayarCompensatedLobe", false, true},
     {"burley", "burley", "BurleyLobe", false, true},
     {"translucent", "translucent", "TranslucentLobe", false, true},
+    {"subsurface", "subsurface", "SubsurfaceLobe", false, true},
     {"dielectric_reflection", "dielectricReflection", "DielectricReflectionLobe"},
     {"dielectric_transmission", "dielectricTransmission", "DielectricTransmissionLobe", true},
     {"dielectric", "dielectric", "DielectricLobe", true},
@@ -189,7 +190,7 @@ class Lineariser {
         return Give(node.first, Multiply(w.other, node.factor), Multiply(w.transmitted, node.factor));
       case Bsdf::Kind::Volume:
         // The inside of the last one named; two volumes in one material are told apart nowhere in MaterialX.
-        result->extinction = node.factor;
+        result->inside = node.inside;
         return Give(node.first, w.other, w.transmitted);
       default:
         return;
@@ -207,7 +208,8 @@ class Lineariser {
     weight = Multiply(weight, node.tint);
     if (e_.Decide(weight, 0)) return;
     result->transmits = result->transmits || (node.lobe->transmits && !node.lobe->thin);
-    result->hasSubsurface = result->hasSubsurface || node.isSubsurface;
+    result->hasSubsurface = result->hasSubsurface || node.lobe->name == "subsurface";
+    if (node.bodyIor != kNone) result->bodyIor = node.bodyIor;
     for (WeightedLobe& lobe : result->lobes) {
       if (lobe.expression != node.expression) continue;
       lobe.weight = e_.Arithmetic("add", {lobe.weight, weight});

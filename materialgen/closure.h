@@ -23,13 +23,20 @@ const LobeKind& FindLobe(std::string_view name);
 
 using BsdfId = uint32_t;
 
+// A homogeneous medium; kNone: zero.
+struct Vdf {
+  Id absorption = kNone, scattering = kNone;  // 1 / scene unit
+  Id anisotropy = kNone;                      // mean cosine of Henyey and Greenstein's phase function
+};
+
 // A node of the closure tree (a DAG: a BSDF may be used twice). Children come before parents.
 struct Bsdf {
   enum class Kind : uint8_t { Lobe, PassThrough, Layer, Mix, Add, Scale, Volume };
   Kind kind = Kind::Lobe;
   BsdfId first = kNone;   // Layer: top; Mix: foreground; Add, Scale, Volume
   BsdfId second = kNone;  // Layer: base; Mix: background; Add
-  Id factor = kNone;      // Mix: amount; Scale: colour or scalar; Volume: extinction
+  Id factor = kNone;      // Mix: amount; Scale: colour or scalar
+  Vdf inside;             // Volume
   const LobeKind* lobe = nullptr;
   Id expression = kNone;    // Lobe: the "lobe" expression
   Id weight = kNone;        // Lobe: scalar weight, which also scales what it takes from below
@@ -37,8 +44,7 @@ struct Bsdf {
   // Lobe of an interface: its index, or colour at normal incidence, to know R and T lobes of the same interface.
   Id interface = kNone;
   Id withoutFilm = kNone;   // Reflecting lobe of a dielectric under a thin film: the same without film
-  // What is not rendered yet; said once if the lobe survives pruning.
-  bool isSubsurface = false;
+  Id bodyIor = kNone;       // Lobe that transmits: the index of the inside
 };
 
 struct WeightedLobe {
@@ -50,9 +56,10 @@ struct WeightedLobe {
 struct LinearClosure {
   std::vector<WeightedLobe> lobes;  // in order of creation
   Id passThrough = kNone;           // weight of light that passes straight through; kNone: none
-  Id extinction = kNone;            // of the inside; kNone: clear
+  Vdf inside;                       // where it transmits
+  Id bodyIor = kNone;
   bool transmits = false;           // into a body
-  bool hasSubsurface = false;
+  bool hasSubsurface = false;       // some lobe leads to a random walk
 };
 
 // `root` may be kNone (no BSDF). Lobes whose weight is zero for this material are left out.

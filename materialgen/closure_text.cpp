@@ -28,6 +28,11 @@ bool IsZero(const Expressions& e, Id id) {
   return true;
 }
 
+std::string VdfText(const Expressions& e, const Vdf& v) {
+  const auto part = [&](Id id) { return id == kNone ? std::string("0") : ValueText(e, id); };
+  return "absorption " + part(v.absorption) + ", scattering " + part(v.scattering) + ", anisotropy " + part(v.anisotropy);
+}
+
 std::string Line(const Expressions& e, const Bsdf& bsdf) {
   switch (bsdf.kind) {
     case Bsdf::Kind::Lobe: {
@@ -42,7 +47,7 @@ std::string Line(const Expressions& e, const Bsdf& bsdf) {
     case Bsdf::Kind::Mix: return "mix: the first by " + ValueText(e, bsdf.factor) + ", else the second";
     case Bsdf::Kind::Add: return "add";
     case Bsdf::Kind::Scale: return "multiply by " + ValueText(e, bsdf.factor);
-    case Bsdf::Kind::Volume: return "body below, extinction " + ValueText(e, bsdf.factor);
+    case Bsdf::Kind::Volume: return "body below, " + VdfText(e, bsdf.inside);
   }
   return "?";
 }

@@ -40,25 +40,6 @@ bool NodeEvaluator::EvaluateOverride(Port* result) {
   return false;
 }
 
-// Autodesk's standard_surface: with a transmission_depth, transmission_color is what is left of white light after that
-// distance inside (Beer-Lambert), and the interface itself tints nothing. MaterialX's graph leaves the depth out.
-bool NodeEvaluator::EvaluateTransmissionDepth(Port* result) {
-  const Id depth = OwnerIn("transmission_depth"), isThin = OwnerIn("thin_walled");
-  if (depth == kNone || e_.Decide(depth, 0) || (isThin != kNone && e_.Scalar(isThin) != 0)) return false;
-  if (!EvaluateBsdf(result)) return false;
-  Bsdf& lobe = b_.bsdfs_[result->id];
-  const Id left = e_.Arithmetic("clamp", {lobe.tint, e_.Number(1e-4f), e_.Number(1)});
-  lobe.tint = e_.Number(1);
-  Bsdf body;
-  body.kind = Bsdf::Kind::Volume;
-  body.first = result->id;
-  body.factor = e_.Arithmetic("divide", {e_.Arithmetic("multiply", {e_.Arithmetic("ln", {left}), e_.Number(-1)}),
-                                         e_.Arithmetic("max", {depth, e_.Number(1e-6f)})});
-  b_.bsdfs_.push_back(body);
-  *result = {Type::Bsdf, Id(b_.bsdfs_.size() - 1)};
-  return true;
-}
-
 // A frame per distinct (normal, tangent); isotropic lobes need no tangent. Hair runs along its tangent.
 Id NodeEvaluator::FrameOf(bool isAnisotropic) {
   const Id normal = In("normal", Type::Vec3), direction = In("curve_direction", Type::Vec3);
@@ -109,9 +90,11 @@ bool NodeEvaluator::EvaluateBsdf(Port* result) {
   if (category == "burley_diffuse_bsdf") return AddLobe(result, "burley", {color, roughness}, lobe, false);
   if (category == "translucent_bsdf") return AddLobe(result, "translucent", {color}, lobe, false);
   if (category == "subsurface_bsdf") {
-    if (!AddLobe(result, "oren_nayar", {color, e_.Number(0)}, lobe, false)) return false;
-    b_.bsdfs_[result->id].isSubsurface = true;
-    return true;
+    const Id radius = In("radius", Type::Vec3), anisotropy = In("anisotropy");
+    if (b_.diffuseSubsurface_ || radius == kNone || e_.Decide(radius, 0)) {
+      return AddLobe(result, "oren_nayar", {color, e_.Number(0)}, lobe, false);
+    }
+    return AddLobe(result, "subsurface", {color, radius, anisotropy == kNone ? e_.Number(0) : anisotropy}, lobe, false);
   }
   if (category == "sheen_bsdf") {
     std::string mode;
@@ -154,9 +137,12 @@ bool NodeEvaluator::EvaluateMicrofacetBsdf(Port* result) {
     lobe.tint = In("tint");
     reflecting = "dielectric_reflection";
     kind = scatter == "T" ? "dielectric_transmission" : scatter == "RT" ? "dielectric" : reflecting;
-    // Seen from inside the body, the interface is that of the outside: total reflection and all.
-    const bool isFaced = scatter == "R" && b_.facts_.transmits;
-    arguments = {e_.Color(1, 1, 1), isFaced ? e_.Make("faced_ior", Type::Float, {ior}) : ior};
+    if (scatter != "R") lobe.bodyIor = ior;
+    // What a body lies in counts for its own interface (nested dielectrics). Seen from inside the body, the interface is
+    // that of the outside: total reflection and all.
+    Id faced = b_.facts_.transmits ? e_.Make("relative_ior", Type::Float, {ior}) : ior;
+    if (scatter == "R" && b_.facts_.transmits) faced = e_.Make("faced_ior", Type::Float, {faced});
+    arguments = {e_.Color(1, 1, 1), faced};
   } else {
     reflecting = "generalized_schlick";
     const bool isT = scatter == "T", isRt = scatter == "RT";
@@ -214,7 +200,8 @@ bool NodeEvaluator::EvaluateCombiner(Port* result) {
       node.second = In("base");
     } else {
       node.kind = Bsdf::Kind::Volume;
-      node.factor = In("base");
+      const Id inside = In("base");
+      if (inside != kNone) node.inside = b_.vdfs_[inside];
     }
   } else if (category == "mix") {
     node.kind = Bsdf::Kind::Mix;
@@ -239,8 +226,7 @@ bool NodeEvaluator::EvaluateCombiner(Port* result) {
   return true;
 }
 
-// EDFs are the radiance towards the viewer, VDFs the extinction of the inside; both are plain colours, so that mix, add
-// and multiply of them are the arithmetic nodes.
+// EDFs are the radiance towards the viewer: plain colours, so that mix, add and multiply of them are the arithmetic nodes.
 bool NodeEvaluator::EvaluateEmission(Port* result) {
   const std::string_view category = node_.definition->category;
   if (category == "uniform_edf") return Number(result, In("color"));
@@ -261,14 +247,6 @@ bool NodeEvaluator::EvaluateEmission(Port* result) {
     const Id from = In("color0"), to = In("color90");
     const Id fresnel = e_.Make("schlick", Type::Float, {normal, exponent, e_.Number(0)});
     return Number(result, e_.Arithmetic("multiply", {base, e_.Arithmetic("mix", {from, to, fresnel})}));
-  }
-  if (category == "absorption_vdf") return Number(result, In("absorption"));
-  if (category == "anisotropic_vdf") {
-    const Id scattering = In("scattering");
-    if (scattering != kNone && !e_.Decide(scattering, 0)) {
-      Unsupported("anisotropic_vdf: scattering inside the body is ignored, absorption is kept");
-    }
-    return Number(result, In("absorption"));
   }
   return false;
 }

@@ -3,6 +3,7 @@
 #include "materialgen/emit.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <cstring>
@@ -14,7 +15,10 @@ namespace materialgen {
 namespace {
 
 // Part of every key: raise it when the same network yields other source.
-constexpr const char* kGeneratorVersion = "7";
+constexpr const char* kGeneratorVersion = "8";
+
+// What bodies have at the start of their block (wavefront/kernels/lib/media.glsl).
+constexpr uint32_t kBodyTexels = 2;
 
 class Emitter {
  public:
@@ -25,7 +29,7 @@ class Emitter {
     if (material_.displacement != kNone) return RunDisplacement();
     FindRoots();
     std::vector<std::vector<Id>> entries = {surfaceRoots_, opacityRoots_, emissionRoots_};
-    layout_ = LayOut(e_, entries);
+    layout_ = LayOut(e_, entries, material_.closure.transmits ? kBodyTexels : 0);
     auto kernel = std::make_shared<KernelSource>();
     kernel->primvars = layout_.primvars;
     for (const WeightedLobe& lobe : material_.closure.lobes) kernel->lobes.emplace_back(lobe.lobe->name);
@@ -39,13 +43,16 @@ class Emitter {
     CompiledMaterial result;
     result.kernel = std::move(kernel);
     FillBlock(&result);
+    if (material_.closure.transmits) FillBody(&result);
+    result.scatters = result.scatters || material_.closure.hasSubsurface;
+    result.mediumPriority = uint8_t(material_.priority);
     return result;
   }
 
  private:
   CompiledMaterial RunDisplacement() {
     const std::vector<Id> roots = {material_.displacement};
-    layout_ = LayOut(e_, {roots});
+    layout_ = LayOut(e_, {roots}, 0);
     auto kernel = std::make_shared<KernelSource>();
     kernel->primvars = layout_.primvars;
     kernel->displacement = PatternSource("displacement", "materialDisplacement", material_.displacement, roots);
@@ -91,7 +98,48 @@ class Emitter {
       emissionRoots_.push_back(radiance_);
       surfaceRoots_.push_back(emission_);
     }
-    if (material_.closure.extinction != kNone) surfaceRoots_.push_back(material_.closure.extinction);
+    if (!material_.closure.transmits || IsInsideUniform()) return;
+    for (Id id : InsideOf()) {
+      if (id != kNone) surfaceRoots_.push_back(id);
+    }
+  }
+
+  std::array<Id, 3> InsideOf() const {
+    const Vdf& v = material_.closure.inside;
+    return {v.absorption, v.scattering, v.anisotropy};
+  }
+  bool IsInsideUniform() const {
+    for (Id id : InsideOf()) {
+      if (id != kNone && !e_.IsUniform(id)) return false;
+    }
+    return true;
+  }
+  // The medium inside, for the kernel: from the block, where the values are the same all over the surface.
+  std::string InsideText(const Printer& printer) const {
+    if (!material_.closure.transmits) return "clearMedium()";
+    if (IsInsideUniform()) return "mediumAt(sp.parameterBase)";
+    const auto text = [&](Id id, Type type, const char* none) { return id == kNone ? none : printer.TextAs(id, type); };
+    const Vdf& v = material_.closure.inside;
+    return "Medium(" + text(v.absorption, Type::Vec3, "vec3(0.0)") + ", " + text(v.scattering, Type::Vec3, "vec3(0.0)") +
+           ", " + text(v.anisotropy, Type::Float, "0.0") + ")";
+  }
+  // Absorption, anisotropy; scattering, index. Whoever comes back into the body from another one inside reads them here.
+  void FillBody(CompiledMaterial* result) const {
+    const auto put = [&](Id id, size_t at, size_t count, float none, float most) {
+      for (size_t i = 0; i < count; ++i) {
+        const bool isKnown = id != kNone && e_.IsUniform(id);
+        const float value = isKnown ? e_[id].value[Components(e_[id].type) == 1 ? 0 : i] : none;
+        result->parameters[at + i] = std::isfinite(value) ? std::clamp(value, count == 3 ? 0.0f : -most, most) : none;
+      }
+    };
+    const Vdf& v = material_.closure.inside;
+    put(v.absorption, 0, 3, 0, 1e9f);
+    put(v.anisotropy, 3, 1, 0, 0.999f);
+    put(v.scattering, 4, 3, 0, 1e9f);
+    put(material_.closure.bodyIor, 7, 1, 1, 10);
+    const float* scattering = &result->parameters[4];
+    const bool varies = v.scattering != kNone && !e_.IsUniform(v.scattering);
+    result->scatters = varies || scattering[0] + scattering[1] + scattering[2] > 0;
   }
 
   std::string Head(const char* head, const Printer& printer) const {
@@ -118,11 +166,13 @@ class Emitter {
     std::string fields, assign, importance, eval, sample;
     std::set<std::string> frames;
     std::string sum;
+    std::vector<std::string> walks;  // numbers of the lobes that lead to a random walk
     const size_t count = lobes_.size();
     for (size_t i = 0; i < count; ++i) {
       const LobeKind& kind = *lobes_[i].lobe;
       const std::string n = std::to_string(i), function(kind.function);
       const std::string lobe = printer.Text(lobes_[i].expression);
+      if (kind.name == "subsurface") walks.push_back(n);
       const std::string frame = printer.Text(e_[lobes_[i].expression].arguments[0]);
       if (frames.insert(frame).second) {
         fields += "  Frame " + frame + ";\n";
@@ -162,31 +212,50 @@ class Emitter {
     }
     const std::string opacity = hasOpacity_ ? printer.Text(opacity_) : "vec3(1.0)";
     const std::string emission = emission_ != kNone ? printer.Text(emission_) : "vec3(0.0)";
-    const Id extinction = material_.closure.extinction;
-    const std::string inside = extinction != kNone ? printer.TextAs(extinction, Type::Vec3) : "vec3(0.0)";
     const auto flag = [](const char* name, bool value) {
       return "const bool " + std::string(name) + (value ? " = true;\n" : " = false;\n");
     };
     std::string text = Head("surface", printer);
     text += flag("kHasTransmission", material_.closure.transmits) + flag("kHasOpacity", hasOpacity_) +
-            flag("kHasEmission", emission_ != kNone);
-    text += "struct Closure {\n  vec3 opacity;\n  vec3 emission;\n  vec3 interiorExtinction;\n  vec3 albedo;\n" +
+            flag("kHasEmission", emission_ != kNone) + flag("kHasSubsurface", !walks.empty());
+    text += "struct Closure {\n  vec3 opacity;\n  vec3 emission;\n  Medium interior;\n  vec3 albedo;\n" +
             fields + "};\n";
     text += "void closureMake(ShadingPoint sp, out Closure c) {\n" + printer.Body() + assign +
             "  c.albedo = " + (count ? sum : "vec3(0.0)") + ";\n" + normalise + "  c.opacity = " + opacity +
-            ";\n  c.emission = " + emission + ";\n  c.interiorExtinction = " + inside + ";\n}\n";
+            ";\n  c.emission = " + emission + ";\n  c.interior = " + InsideText(printer) + ";\n}\n";
     std::string rgb, pdf;
     for (size_t i = 0; i < count; ++i) {
       const std::string n = std::to_string(i);
       rgb += (i ? " + c.w" : "c.w") + n + " * e" + n + ".rgb";
       pdf += (i ? " + c.p" : "c.p") + n + " * e" + n + ".a";
     }
-    text += "vec4 closureEval(Closure c, vec3 wo, vec3 wi) {\n" + eval + "  return " +
+    for (const std::string& n : walks) eval += "  below += c.w" + n + " * e" + n + ".rgb;\n";
+    text += "vec4 closureEval(Closure c, vec3 wo, vec3 wi, inout vec3 below) {\n" + eval + "  return " +
             (count ? "vec4(" + rgb + ", " + pdf + ")" : "vec4(0.0)") + ";\n}\n";
     text += "vec3 closureSample(Closure c, vec3 wo, float uLobe, vec2 u) {\n" + sample +
             (count ? "}\n" : "  return vec3(0.0);\n}\n");
-    text += "vec3 closureAlbedo(Closure c, vec3 wo) { return c.albedo; }\n";
+    text += "vec3 closureAlbedo(Closure c, vec3 wo) { return c.albedo; }\n" + WalkSource(walks);
     return text + "#include \"material/surface_tail.glsl\"\n";
+  }
+
+  // Which lobe's body a random walk runs through: in proportion to what they let in, colours and all.
+  std::string WalkSource(const std::vector<std::string>& walks) const {
+    std::string text = "SubsurfaceLobe closureWalk(Closure c, float u, inout vec3 below) {\n";
+    if (walks.empty()) return text + "  return subsurfaceMake(c.albedo, vec3(0.0), vec3(0.0), 0.0);\n}\n";
+    if (walks.size() == 1) return text + "  return c.l" + walks[0] + ";\n}\n";
+    std::string sum;
+    for (const std::string& n : walks) {
+      text += "  vec3 s" + n + " = c.w" + n + " * c.l" + n + ".color;\n";
+      sum += (sum.empty() ? "s" : " + s") + n;
+    }
+    text += "  vec3 all = max(" + sum + ", vec3(1e-20));\n  float mean = bsdfMean(all);\n  u *= mean;\n";
+    for (size_t i = 0; i < walks.size(); ++i) {
+      const std::string s = "s" + walks[i];
+      const std::string take = "below *= " + s + " / all * (mean / max(bsdfMean(" + s + "), 1e-20));\n";
+      if (i + 1 == walks.size()) return text + "  " + take + "  return c.l" + walks[i] + ";\n}\n";
+      text += "  if (u < bsdfMean(" + s + ")) {\n    " + take + "    return c.l" + walks[i] + ";\n  }\n  u -= bsdfMean(" + s + ");\n";
+    }
+    return text;
   }
 
   void FillBlock(CompiledMaterial* result) const {

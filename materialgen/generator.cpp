@@ -35,15 +35,16 @@ class GeneratorImpl final : public Generator {
     return true;
   }
 
-  CompiledMaterial Generate(const MaterialNetwork& network, const MessageSink& sink) override {
-    CompiledMaterial result = Compile(network, Terminal::Surface, sink);
+  CompiledMaterial Generate(const MaterialNetwork& network, const MessageSink& sink,
+                            const GenerateOptions& options) override {
+    CompiledMaterial result = Compile(network, Terminal::Surface, sink, options);
     Share(&result);
     return result;
   }
 
   CompiledMaterial GenerateDisplacement(const MaterialNetwork& network, const MessageSink& sink) override {
     if (network.displacementNode.empty()) return {};
-    CompiledMaterial result = Compile(network, Terminal::Displacement, sink);
+    CompiledMaterial result = Compile(network, Terminal::Displacement, sink, {});
     if (result.kernel) Share(&result);
     return result;
   }
@@ -61,7 +62,7 @@ class GeneratorImpl final : public Generator {
     };
     network.connections = {{"color", "result", "surface", "diffuseColor"}};
     if (!isOpaque) network.connections.push_back({"opacity", "result", "surface", "opacity"});
-    return Generate(network, [](const Message&) {});
+    return Generate(network, [](const Message&) {}, {});
   }
 
  private:
@@ -73,12 +74,13 @@ class GeneratorImpl final : public Generator {
     result->kernel = kernels_.emplace(result->kernel->key, result->kernel).first->second;
   }
 
-  CompiledMaterial Compile(const MaterialNetwork& network, Terminal terminal, const MessageSink& sink) const {
+  CompiledMaterial Compile(const MaterialNetwork& network, Terminal terminal, const MessageSink& sink,
+                           const GenerateOptions& options) const {
     std::vector<std::string> frozen;
     SurfaceFacts facts;
     for (int pass = 0;; ++pass) {
       Expressions expressions(&frozen);
-      Builder builder(library_.get(), network, &expressions, facts);
+      Builder builder(library_.get(), network, &expressions, facts, options.diffuseSubsurface);
       const bool isSurface = terminal == Terminal::Surface;
       const Material material = isSurface ? builder.Build() : builder.BuildDisplacement();
       const std::vector<std::string>& more = expressions.NewlyFrozen();
@@ -110,7 +112,7 @@ class GeneratorImpl final : public Generator {
                             "the material is too large to compile; it shows magenta"});
         MaterialNetwork empty;
         empty.path = network.path;
-        result = Compile(empty, Terminal::Surface, [](const Message&) {});
+        result = Compile(empty, Terminal::Surface, [](const Message&) {}, options);
       }
       const auto asks = [&](const char* function) {
         return result.kernel && result.kernel->displacement.find(function) != std::string::npos;

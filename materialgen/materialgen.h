@@ -62,6 +62,14 @@ struct CompiledMaterial {
   std::vector<ParameterSlot> slots;
   std::vector<TextureRequest> textures;
   std::string closureTree;            // in words, for explain
+  // Of the inside, where the material is a body's: where bodies overlap the highest (0..31) fills the overlap. Authored as
+  // `dielectric_priority` on the node of the surface terminal (Arnold's name and meaning).
+  uint8_t mediumPriority = 0;
+  bool scatters = false;              // light scatters below the surface or inside of the body
+};
+
+struct GenerateOptions {
+  bool diffuseSubsurface = false;     // subsurface_bsdf is a diffuse reflection instead of a random walk
 };
 
 // Thread-safe: Generate may be called from several threads. Libraries are loaded once (about 0.1 s).
@@ -77,7 +85,8 @@ class Generator {
 
   // Never fails: an unknown node, cycle or type error gives a message and a visible fallback (magenta for colours
   // fed by an unknown node; the whole material where the terminal itself is unknown).
-  virtual CompiledMaterial Generate(const MaterialNetwork& network, const MessageSink& sink) = 0;
+  virtual CompiledMaterial Generate(const MaterialNetwork& network, const MessageSink& sink,
+                                    const GenerateOptions& options = {}) = 0;
 
   // The network's displacement terminal, as a kernel and a block of its own: materials that differ in displacement only
   // share their surface kernel, and an edit of the surface moves no mesh. `kernel` is null where nothing is displaced:

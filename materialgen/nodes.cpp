@@ -60,7 +60,10 @@ Id NodeEvaluator::In(std::string_view name, Type type) {
   for (size_t i = 0; i < node_.inputs.size(); ++i) {
     if (node_.definition->inputs[i].name != name) continue;
     const Port& port = node_.inputs[i];
-    if (port.type == Type::Bsdf || port.type == Type::Surface || port.type == Type::Displacement) return port.id;
+    if (port.type == Type::Bsdf || port.type == Type::Vdf || port.type == Type::Surface ||
+        port.type == Type::Displacement) {
+      return port.id;
+    }
     if (type != Type::None && port.id != kNone && port.type != type) return e_.Convert(port.id, type);
     return port.id;
   }
@@ -91,6 +94,7 @@ bool NodeEvaluator::Evaluate(Port* result) {
   const Type type = OutputType();
   if (EvaluateOverride(result)) return true;
   if (type == Type::Bsdf) return EvaluateBsdf(result);
+  if (type == Type::Vdf) return EvaluateVdf(result);
   if (type == Type::Surface) return EvaluateSurface(result);
   if (type == Type::Displacement) return EvaluateDisplacement(result);
   if (type == Type::String || type == Type::Asset) return EvaluateText(result);

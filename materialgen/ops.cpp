@@ -151,6 +151,7 @@ const Op kOps[] = {
     {"cone", "patternCone($0, $1, $2, sp.wo)"},
     // Never folded into a vector: that both components are one value lets the compiler drop what anisotropy needs.
     {"one_alpha", "vec2($0)"},
+    {"relative_ior", "$0 / sp.exteriorIor", nullptr, nullptr, true},
     {"faced_ior", "sp.frontFacing ? $0 : 1.0 / $0", nullptr, nullptr, true},
     // What a material reads at a hit. The text of a primvar reader is the primvar's name.
     {"position_world", "patternWorldPosition(sp)"}, {"position_object", "sp.positionObject"},

@@ -68,7 +68,7 @@ uint32_t Layout::SlotOf(const std::string& primvar) const {
   return uint32_t(std::find(primvars.begin(), primvars.end(), primvar) - primvars.begin());
 }
 
-Layout LayOut(const Expressions& e, const std::vector<std::vector<Id>>& entries) {
+Layout LayOut(const Expressions& e, const std::vector<std::vector<Id>>& entries, uint32_t reserved) {
   Layout layout;
   std::set<Id> stored;
   for (const std::vector<Id>& roots : entries) {
@@ -81,7 +81,7 @@ Layout LayOut(const Expressions& e, const std::vector<std::vector<Id>>& entries)
     }
   }
   // Widest first leaves no holes but at the end.
-  std::vector<uint32_t> used;
+  std::vector<uint32_t> used(reserved, 4);
   for (int components = 4; components >= 1; --components) {
     for (Id id : stored) {
       if (Components(e[id].type) != components) continue;

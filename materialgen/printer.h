@@ -19,7 +19,8 @@ struct Layout {
   std::vector<std::string> primvars;
   uint32_t SlotOf(const std::string& primvar) const;
 };
-Layout LayOut(const Expressions& expressions, const std::vector<std::vector<Id>>& entries);
+// The first `reserved` texels of the block stay free.
+Layout LayOut(const Expressions& expressions, const std::vector<std::vector<Id>>& entries, uint32_t reserved);
 
 class Printer {
  public:

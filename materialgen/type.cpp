@@ -38,12 +38,12 @@ Type TypeFromMaterialX(std::string_view name) {
     std::string_view name;
     Type type;
   };
-  // EDF and VDF are plain colours here: emitted radiance towards the viewer, and extinction.
+  // EDFs are plain colours here: emitted radiance towards the viewer.
   static constexpr Row kRows[] = {
       {"boolean", Type::Bool},  {"integer", Type::Int},   {"float", Type::Float},   {"vector2", Type::Vec2},
       {"vector3", Type::Vec3},  {"vector4", Type::Vec4},  {"color3", Type::Vec3},   {"color4", Type::Vec4},
       {"matrix33", Type::Mat3}, {"matrix44", Type::Mat4}, {"string", Type::String}, {"filename", Type::Asset},
-      {"BSDF", Type::Bsdf},     {"EDF", Type::Vec3},      {"VDF", Type::Vec3},      {"surfaceshader", Type::Surface},
+      {"BSDF", Type::Bsdf},     {"EDF", Type::Vec3},      {"VDF", Type::Vdf},       {"surfaceshader", Type::Surface},
       {"displacementshader", Type::Displacement},
   };
   for (const Row& row : kRows) {

@@ -27,6 +27,7 @@ enum class Type : uint8_t {
   Call,
   Uv,
   Bsdf,
+  Vdf,
   Surface,
   Displacement
 };

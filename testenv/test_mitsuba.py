@@ -7,7 +7,8 @@ width w at distance 1 is a fov of 2 atan(w / 2) on the x axis. A rectangle spans
 RectLight along -Z. Lambert is `diffuse`. A metal of standard_surface has MaterialX's artistic index (Gulbrandsen
 2014); its energy compensation, which Mitsuba lacks, is under 1 % at the roughness used. Glass is `dielectric`, rough
 glass MaterialX's dielectric_bsdf, both without compensation; Mitsuba's masking is the uncorrelated one, which differs
-little at alpha 0.2. absorption_vdf below it is a medium of albedo 0. Environment maps lie alike in both. Mitsuba's
+little at alpha 0.2. absorption_vdf below it is a medium of albedo 0, anisotropic_vdf one with
+Henyey and Greenstein's phase function. Environment maps lie alike in both. Mitsuba's
 light shapes get a black BSDF and stand where nothing is behind them. A glowing mesh shines from both sides, so it is
 two rectangles there.
 """
@@ -156,12 +157,60 @@ def absorption(mi: Any) -> dict[str, Any]:
     }
 
 
+def scattering(mi: Any) -> dict[str, Any]:
+    def medium(absorption, scattering, g: float) -> dict[str, Any]:
+        total = [a + s for a, s in zip(absorption, scattering, strict=True)]
+        albedo = [s / t for s, t in zip(scattering, total, strict=True)]
+        return {"type": "homogeneous", "albedo": rgb(*albedo), "sigma_t": rgb(*(t / 4 for t in total)), "scale": 4.0,
+                "phase": {"type": "hg", "g": g}}  # fmt: skip
+
+    glass = {"type": "dielectric", "int_ior": 1.5, "ext_ior": 1.0}
+    milk, jade = medium((0.05, 0.1, 0.2), (2, 1.5, 1), 0.0), medium((0.4, 0.1, 0.3), (1.5, 2.5, 1), 0.5)
+    slab = transform(mi, (1.1, -0.1, 0), (0, 30, 0), (0.8, 0.8, 0.3))
+    # Paths carry L / n^2 (wavefront/kernels/lib/bsdf/bsdf_common.glsl): what shines inside of glass has it already here.
+    ember = {"emitter": {"type": "area", "radiance": rgb(*(1.5**2 * c for c in (6, 4, 2)))}, "exterior": milk}
+    y = 0.300001
+    return {
+        "sensor": sensor(mi, (0, 0.6, 7), -5, 0.8, (64, 64)),
+        "sky": {"type": "constant", "radiance": 1.0},
+        "floor": quad(mi, lambert(0.6), (-6, -1, 6), (6, -1, 6), (-6, -1, -6)),
+        "ball": {"type": "sphere", "center": [-1.1, 0, 0], "radius": 0.9, "bsdf": glass, "interior": milk},
+        "slab": {"type": "cube", "to_world": slab, "bsdf": glass, "interior": jade},
+        "ember": quad(mi, lambert(0), (-1.3, y, 0.1), (-0.9, y, 0.1), (-1.3, y, -0.3), **ember),
+        "ember_below": quad(mi, lambert(0), (-1.3, 0.3, -0.3), (-0.9, 0.3, -0.3), (-1.3, 0.3, 0.1), **ember),
+    }
+
+
+def subsurface(mi: Any) -> dict[str, Any]:
+    """A random walk is a medium in a boundary that does nothing but diffuse transmission, both ways."""
+    boundary = {"type": "principledthin", "base_color": rgb(1, 1, 1), "diff_trans": 2.0, "roughness": 0.5, "spec_trans": 0.0}
+
+    def inside(color, radius, g: float) -> dict[str, Any]:
+        # Kulla and Conty 2017, as wavefront/kernels/lib/subsurface.glsl.
+        s = [4.09712 + 4.20863 * c - math.sqrt(9.59217 + 41.6808 * c + 17.7126 * c * c) for c in color]
+        albedo = [(1 - x * x) / (1 - g * x * x) for x in s]
+        return {"type": "homogeneous", "albedo": rgb(*albedo), "sigma_t": rgb(*(0.1 / r for r in radius)), "scale": 10.0,
+                "phase": {"type": "hg", "g": g}}  # fmt: skip
+
+    wax, skin = inside((0.8, 0.5, 0.3), (0.5, 0.3, 0.15), 0.0), inside((0.9, 0.7, 0.2), (0.1, 0.2, 0.4), 0.4)
+    slab = transform(mi, (1.1, -0.1, 0), (0, 30, 0), (0.8, 0.8, 0.3))
+    return {
+        "sensor": sensor(mi, (0, 0.6, 7), -5, 0.8, (64, 64)),
+        "sky": {"type": "constant", "radiance": 1.0},
+        "floor": quad(mi, lambert(0.6), (-6, -1, 6), (6, -1, 6), (-6, -1, -6)),
+        "ball": {"type": "sphere", "center": [-1.1, 0, 0], "radius": 0.9, "bsdf": boundary, "interior": wax},
+        "slab": {"type": "cube", "to_world": slab, "bsdf": boundary, "interior": skin},
+    }
+
+
 # Scene, integrator, maxBounces, Mitsuba's samples, lights hidden from the camera, limit of the relative MSE of blocks.
 SCENES = {
     "Mitsuba.Cornell": (cornell, "path", 4, 256, False, 1e-3),
     "Mitsuba.Environment": (environment, "path", 8, 256, True, 1e-3),
     "Mitsuba.Lights": (lights, "path", 3, 256, True, 1e-3),
     "Mitsuba.Absorption": (absorption, "volpath", 8, 768, True, 1e-3),
+    "Mitsuba.Subsurface": (subsurface, "volpathmis", 128, 128, True, 1e-3),
+    "Mitsuba.Scattering": (scattering, "volpathmis", 64, 192, True, 1e-3),
 }
 
 

@@ -135,8 +135,10 @@ struct MaterialData {
   std::string path;
   std::string kernelKey;                 // of a kernel registered before
   std::vector<Float4> parameters;        // parameter block, layout by materialgen; texture ids are stored as
-                                         // the bits of a uint in one float component
+                                         // the bits of a uint in one float component. Bodies (kHasTransmission)
+                                         // start with absorption, anisotropy; scattering, index of refraction
   uint8_t mediumPriority = 0;            // 0..31: where transmissive bodies overlap, the highest fills the overlap
+  bool scatters = false;                 // light scatters below its surfaces or inside of its bodies
 };
 
 enum class TexelFormat : uint32_t { Rgba8Unorm, Rgba16Float };

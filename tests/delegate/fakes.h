@@ -178,7 +178,7 @@ class FakeGenerator : public materialgen::Generator {
     return true;
   }
   materialgen::CompiledMaterial Generate(const materialgen::MaterialNetwork& network,
-                                         const materialgen::MessageSink&) override {
+                                         const materialgen::MessageSink&, const materialgen::GenerateOptions&) override {
     materialgen::CompiledMaterial material;
     for (const materialgen::Node& node : network.nodes) {
       if (node.path == network.surfaceNode) {

@@ -34,9 +34,9 @@ wavefront::RenderSettings Told(const SettingInfo* info) {
 }
 
 TEST(RenderSettings, EveryRowReachesTheCore) {
-  // These act in the delegate: see LightsAreRepeatedByInstancersAndSwitchedOff, testenv/Settings.Switches and
+  // These act in the delegate: see LightsAreRepeatedByInstancersAndSwitchedOff, testenv/Settings.Switches, Media.Wax and
   // displacement_test.cpp.
-  const std::set<std::string_view> own{"enableSceneMaterials", "enableSceneLights",
+  const std::set<std::string_view> own{"enableSceneMaterials", "enableSceneLights", "subsurfaceRandomWalk",
                                              "displacementTriangles"};
   const wavefront::RenderSettings before = Told(nullptr);
   std::vector<wavefront::RenderSettings> seen;

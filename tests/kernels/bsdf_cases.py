@@ -98,6 +98,7 @@ _CASES: dict[str, tuple[str, dict[str, list[float]]]] = {
     "orenNayarCompensated": ("a.rgb, a.w", _diffuse(WHITE)),
     "burley": ("a.rgb, a.w", _diffuse(WHITE)),
     "translucent": ("a.rgb", {"white": WHITE, "coloured": RUST}),
+    "subsurface": ("a.rgb, vec3(1.0), 0.0", {"white": WHITE, "coloured": RUST}),
     "dielectricReflection": ("a.rgb, a.w, b.xy, b.z != 0.0, c.xy", _dielectric()),
     "dielectricTransmission": ("a.rgb, a.w, b.xy, c.xy", _dielectric()),
     "dielectric": ("a.rgb, a.rgb, a.w, b.xy, b.z != 0.0, c.xy", _dielectric()),
@@ -128,6 +129,9 @@ _CASES: dict[str, tuple[str, dict[str, list[float]]]] = {
 
 LOBES = {name: Lobe(name, file, r, t, *_CASES.get(name, ("", {}))) for name, file, r, t in rows()}
 
+# Transmissive, but no refraction.
+STRAIGHT = ("translucent", "subsurface")
+
 # Off the axes of the frame, so that an anisotropic lobe has no symmetry to hide behind.
 VIEWS = {
     "normal": direction(0.5, 40),
@@ -143,7 +147,7 @@ VIEWS = {
 def index_of(lobe: Lobe, name: str) -> float:
     """Index of the medium behind the surface (1 in front), for the lobes that refract."""
     values = lobe.sets[name]
-    if not lobe.transmissive or lobe.name in ("translucent", "thinTransmission", "chiangHair"):
+    if not lobe.transmissive or lobe.name in (*STRAIGHT, "thinTransmission", "chiangHair"):
         return 1.0
     if lobe.name.startswith("dielectric"):
         return min(max(values[3], 0.1), 10.0)
@@ -153,7 +157,7 @@ def index_of(lobe: Lobe, name: str) -> float:
 
 def albedo_tolerance(lobe: Lobe, name: str) -> float:
     """How far fooAlbedo may be from the lobe's albedo: closed forms hardly, fits as their files promise."""
-    if lobe.name in ("orenNayar", "orenNayarCompensated", "burley", "translucent", "chiangHair"):
+    if lobe.name in ("orenNayar", "orenNayarCompensated", "burley", "chiangHair", *STRAIGHT):
         return 0.002
     if name == "retroreflective":
         name = "brushed"

@@ -254,19 +254,40 @@ TEST(MaterialGen, StandardSurfaceWakesWhatIsSwitchedOn) {
   EXPECT_TRUE(plain.messages.empty());
 }
 
-// What is not rendered yet is said once, and only where it would have shown.
-TEST(MaterialGen, UnsupportedFeaturesAreSaidOnce) {
-  const auto count = [](std::map<std::string, Value> parameters) {
-    const Result result = RunNetwork(Standard(std::move(parameters)));
-    ExpectCompiles(result.material, "unsupported feature");
-    return std::count_if(result.messages.begin(), result.messages.end(), [](const Message& m) {
-      return m.code == "material-unsupported-feature" && m.location == "/Looks/m";
-    });
+// The way into a random walk is a lobe; where the host wants none, or there is no distance to walk, it is diffuse.
+TEST(MaterialGen, SubsurfaceIsALobe) {
+  using Names = std::vector<std::string>;
+  const MaterialNetwork network = Standard({{"subsurface", 0.5f}, {"subsurface_radius", Color{1, 0.5f, 0.2f}}});
+  const Result walk = RunNetwork(network);
+  EXPECT_TRUE(walk.messages.empty());
+  EXPECT_EQ(Lobes(walk), (Names{"dielectric_reflection", "subsurface", "oren_nayar"}));
+  EXPECT_TRUE(walk.material.scatters);
+  ExpectCompiles(walk.material, "subsurface");
+  const CompiledMaterial diffuse = SharedGenerator().Generate(network, {}, {.diffuseSubsurface = true});
+  EXPECT_EQ(diffuse.kernel->lobes, (Names{"dielectric_reflection", "oren_nayar", "oren_nayar"}));
+  EXPECT_FALSE(diffuse.scatters);
+  EXPECT_FALSE(RunNetwork(Standard({{"subsurface", 0.5f}, {"subsurface_scale", 0.0f}})).material.scatters);
+  EXPECT_FALSE(RunNetwork(Standard({{"subsurface", 0.0f}})).material.scatters);
+}
+
+// Bodies start their block with the medium inside and its index; editing one compiles nothing.
+TEST(MaterialGen, BodiesHoldTheirMedium) {
+  const auto body = [](float depth, Color scatter, int priority) {
+    return RunNetwork(Standard({{"transmission", 1.0f}, {"transmission_color", Color{0.5f, 0.25f, 1}}, {"specular_IOR", 1.3f},
+                                {"transmission_depth", depth}, {"transmission_scatter", scatter},
+                                {"transmission_scatter_anisotropy", 0.25f}, {"dielectric_priority", priority}})).material;
   };
-  EXPECT_EQ(count({{"subsurface", 0.5f}}), 1);
-  EXPECT_EQ(count({{"thin_film_thickness", 300.0f}}), 0);
-  EXPECT_EQ(count({{"subsurface", 1.0f}, {"metalness", 1.0f}}), 0);
-  EXPECT_EQ(count({{"thin_film_thickness", 300.0f}, {"metalness", 0.5f}, {"subsurface", 0.5f}}), 1);
+  const CompiledMaterial wax = body(2, {0.1f, 0.2f, 0}, 7), jelly = body(4, {0.3f, 0.2f, 0.1f}, 0);
+  EXPECT_EQ(wax.kernel, jelly.kernel);
+  EXPECT_EQ(wax.mediumPriority, 7);
+  EXPECT_TRUE(wax.scatters);
+  ASSERT_GE(wax.parameters.size(), 8u);
+  const float expected[] = {(std::log(2.0f) - 0.1f) / 2, (std::log(4.0f) - 0.2f) / 2, 0, 0.25f, 0.05f, 0.1f, 0, 1.3f};
+  for (size_t i = 0; i < 8; ++i) EXPECT_NEAR(wax.parameters[i], expected[i], 1e-6f) << i;
+  // More scattering than there is extinction: grey absorption is added.
+  EXPECT_NEAR(jelly.parameters[2], 0, 1e-6f);
+  EXPECT_NEAR(jelly.parameters[0], (std::log(2.0f) - 0.3f + 0.1f) / 4, 1e-6f);
+  EXPECT_FALSE(body(0, {0.5f, 0.5f, 0.5f}, 0).scatters);
 }
 
 // A thin wall has no inside: light goes through it unbent, and enters no body.

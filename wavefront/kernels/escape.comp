@@ -55,7 +55,7 @@ vec4 addShape(vec4 radiance, vec3 throughput, uint instance, vec3 origin, vec3 d
 
 void main() {
   uint path;
-  if (!queuePath(kQueueEscape, kItemsEscape, path)) return;
+  if (!queuePath(kQueueEscape, path)) return;
   uvec4 ids = loadPath(kChunkIds, path);
   uvec4 hit = loadPath(kChunkHit, path);
   uvec4 extra = loadPath(kChunkHitDistance, path);

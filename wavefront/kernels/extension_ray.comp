@@ -13,11 +13,12 @@ layout(local_size_x = 64) in;
 
 void main() {
   uint path;
-  if (!queuePath(kQueueExtensionRay, kItemsExtension, path)) return;
+  if (!queuePath(kQueueExtensionRay, path)) return;
   vec4 o = uintBitsToFloat(loadPath(kChunkRayOrigin, path));
   vec4 d = uintBitsToFloat(loadPath(kChunkRayDirection, path));
   uvec4 extra = loadPath(kChunkHitDistance, path);
-  uint mask = pathBounce(loadPath(kChunkIds, path).w) == 0u ? 1u : 2u;
+  uint flags = loadPath(kChunkIds, path).w;
+  uint mask = pathBounce(flags) == 0u && (flags & kFlagSubsurface) == 0u ? 1u : 2u;
   Hit hit;
   hit.t = d.w; hit.instance = 0xffffffffu; hit.triangle = 0u; hit.u = 0.0; hit.v = 0.0;
   if (frame.hasGeometry != 0u) traverseClosest(Ray(o.xyz, o.w, d.xyz, d.w), mask, extra.y, extra.z, hit);

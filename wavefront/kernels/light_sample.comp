@@ -15,7 +15,7 @@ layout(local_size_x = 64) in;
 
 void main() {
   uint path;
-  if (!queuePath(kQueueLightSample, kItemsLightSample, path)) return;
+  if (!queuePath(kQueueLightSample, path)) return;
   uvec4 ids = loadPath(kChunkIds, path);
   uvec4 hit = loadPath(kChunkHit, path);
   vec4 cone = uintBitsToFloat(loadPath(kChunkCone, path));

@@ -5,9 +5,11 @@
 // extinction inside media, ends paths, and sends each path on (Laine et al. 2013, section 3.2).
 // In the paper it samples lights and adds the emission of what was hit, too. Those are light_sample and escape here:
 // software Vulkan runs every branch for every path, so what only some paths need is worth a queue of its own.
-// Reads: Ids, Radiance, ShadowContribution, Hit, HitDistance, Throughput, RayOrigin, Media.
+// Paths that scatter inside of a body, or are on a random walk below a surface, go to queues of their own.
+// Reads: Ids, Radiance, ShadowContribution, Hit, HitDistance, Throughput, RayOrigin, Medium.
 // Writes: Ids, Radiance, Throughput, LightRadiance, film.
-// Pushes to: light samples, escapes, and the path's bucket (key and count; scan_buckets and scatter make the queue).
+// Pushes to: light samples, escapes, medium scatters, walks and their exits, and the path's bucket (key and count;
+// scan_buckets and scatter make the queue).
 // Runs after: the ray casts.
 #extension GL_GOOGLE_include_directive : require
 #include "lib/bindings.glsl"
@@ -40,25 +42,39 @@ void main() {
     }
     bool ended = (ids.w & kFlagEnd) != 0u;
     bool escaped = false, behindLight = false;
+    uint queue = kNoQueue;  // beside the light sample's
     if (!ended) {
       uvec4 hit = loadPath(kChunkHit, path);
       vec4 throughput = uintBitsToFloat(loadPath(kChunkThroughput, path));
+      uvec4 medium = loadPath(kChunkMedium, path);
       uint bounce = pathBounce(ids.w);
-      escaped = hit.x == 0xffffffffu;
+      bool missed = hit.x == 0xffffffffu, walks = (ids.w & kFlagSubsurface) != 0u;
+      // Inside of a body that scatters a ray ends after a free flight: a miss is a scattering event.
+      bool scatters = missed && mediumScatters(medium);
+      escaped = missed && !scatters;
       if (!escaped) {
-        // Extinction of the medium that the segment lies in.
         float t = uintBitsToFloat(loadPath(kChunkHitDistance, path).x);
         float from = max(0.0, uintBitsToFloat(loadPath(kChunkRayOrigin, path).w));
-        throughput.rgb *= exp(-mediumExtinction(loadPath(kChunkMediaA, path), loadPath(kChunkMediaB, path)) * max(0.0, t - from));
+        throughput.rgb *= mediumWeight(medium, throughput.rgb, max(0.0, t - from), scatters);
         if (bounce == 0u) radiance.a = 1.0;
+      }
+      if (!missed && !walks) {
         escaped = (instanceWord(hit.x, 3u).z & kInstanceKindMask) != kKindMesh;  // an analytic light scatters nothing
         behindLight = escaped && bounce != 0u;
       }
-      if (!escaped) {
+      bool last = bounce >= frame.maxBounces;
+      // A walk leaves through the body that it entered; whatever else it meets is passed.
+      bool exits = walks && !missed && (hit.x & 0xffffu) == mediumId(medium);
+      if (exits) queue = kQueueSubsurfaceExit;
+      else if (walks) queue = kQueueSubsurfaceWalk;
+      else if (scatters) queue = kQueueMediumScatter;
+      else if (escaped) queue = kQueueEscape;
+      if (queue == kQueueMediumScatter && last) ended = true;
+      bool onSurface = queue == kNoQueue;
+      if (onSurface) {
         uvec4 buckets = hitBuckets(hit.x, hit.y);
         key = buckets.x;
         // The last hit only shows emission (or lets the ray through): nothing to do where there is neither.
-        bool last = bounce >= frame.maxBounces;
         if (last && buckets.y == kNoBucket && buckets.z == kNoBucket && (ids.w & kFlagAovWritten) != 0u) ended = true;
         if (key == kNoBucket) ended = true;  // no kernel for this material: the delegate has said so
         // Russian roulette, on what the path can still carry. Passing through a surface comes here again: the number is
@@ -68,12 +84,14 @@ void main() {
           if (samplePass(ids.z ^ 0x2545f491u, ids.y, bounce, pathPasses(ids.w)) >= survive) ended = true;
           throughput.rgb /= survive;
         }
-        if (!ended) {
-          if (!last && frame.lightItemCount != 0u) pushLightSample(path);
+      }
+      if (!ended) {
+        if (onSurface || exits) {
+          if (!last && frame.lightItemCount != 0u) pushQueue(kQueueLightSample, path);
           else storePathF(kChunkLightRadiance, path, vec4(0.0));
         }
+        storePathF(kChunkThroughput, path, throughput);
       }
-      if (!ended) storePathF(kChunkThroughput, path, throughput);
     }
     if (ended) {
       filmAddSample(ids.x, radiance.rgb, radiance.a);
@@ -81,12 +99,10 @@ void main() {
       key = kBucketNewPath;
     } else {
       storePathF(kChunkRadiance, path, radiance);
-      if (escaped) {
-        // The escape kernel ends the path before new_path takes its place; or sends the ray on behind a light, which only
-        // the camera sees as a body: the path then stands in no bucket.
-        pushEscape(path);
-        key = behindLight ? kNoBucket : kBucketNewPath;
-      }
+      // The escape kernel ends the path before new_path takes its place; or sends the ray on behind a light, which only
+      // the camera sees as a body: the path then stands in no bucket. Nor do the paths of the other queues.
+      if (queue != kNoQueue) pushQueue(queue, path);
+      if (escaped && !behindLight) key = kBucketNewPath;
     }
   } else if (phase == kPhaseHeld || phase == kPhaseOpacity) {
     bool held = phase == kPhaseHeld;

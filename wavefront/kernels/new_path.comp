@@ -34,8 +34,8 @@ void main() {
   storePathF(kChunkThroughput, path, vec4(1.0, 1.0, 1.0, 0.0));
   storePathF(kChunkRadiance, path, vec4(0.0));
   storePath(kChunkIds, path, uvec4(pixel, sampleIndex, seed, kPhaseReady));
-  storePath(kChunkMediaA, path, uvec4(0u));
-  storePath(kChunkMediaB, path, uvec4(0u));
+  storePath(kChunkMediaStack, path, uvec4(0u));
+  storePath(kChunkMedium, path, uvec4(0u));
   storePathF(kChunkCone, path, vec4(frame.pixelSpread, time, 0.0, 0.0));
   pushExtensionRay(path);
 }

@@ -22,8 +22,7 @@ void add64(uint at, uint value) {
 void main() {
   uint thread = gl_LocalInvocationID.x;
   if (thread == 0u) {
-    closeQueue(kQueueLightSample);
-    closeQueue(kQueueEscape);
+    [[dont_unroll]] for (uint q = kQueueLightSample; q < kQueueKinds; ++q) closeQueue(q);
   }
   uint perThread = (frame.bucketCount + kThreads - 1u) / kThreads;
   uint first = thread * perThread;

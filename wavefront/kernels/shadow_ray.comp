@@ -14,7 +14,7 @@ layout(local_size_x = 64) in;
 
 void main() {
   uint path;
-  if (!queuePath(kQueueShadowRay, kItemsShadow, path)) return;
+  if (!queuePath(kQueueShadowRay, path)) return;
   uvec4 ids = loadPath(kChunkIds, path);
   vec4 o = uintBitsToFloat(loadPath(kChunkShadowOrigin, path));
   vec4 light = uintBitsToFloat(loadPath(kChunkLightSample, path));

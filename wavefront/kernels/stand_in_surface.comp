@@ -11,20 +11,22 @@
 struct Closure {
   vec3 opacity;
   vec3 emission;
-  vec3 interiorExtinction;
+  Medium interior;
   vec3 albedo;
   Frame frame;
 };
 const bool kHasTransmission = false;
 const bool kHasOpacity = false;
 const bool kHasEmission = false;
+const bool kHasSubsurface = false;
 void closureMake(ShadingPoint sp, out Closure c) {
   c.opacity = vec3(1.0);
-  c.emission = c.interiorExtinction = vec3(0.0);
+  c.emission = vec3(0.0);
+  c.interior = clearMedium();
   c.albedo = pushWord1 != 0u ? vec3(1.0, 0.0, 1.0) : vec3(0.5);
   c.frame = frameFromNormal(dot(sp.normalWorld, sp.wo) < 0.0 ? -sp.normalWorld : sp.normalWorld);
 }
-vec4 closureEval(Closure c, vec3 wo, vec3 wi) {
+vec4 closureEval(Closure c, vec3 wo, vec3 wi, inout vec3 below) {
   float k = max(toLocal(c.frame, wi).z, 0.0) * 0.31830988618;
   return vec4(c.albedo * k, k);
 }
@@ -33,4 +35,7 @@ vec3 closureSample(Closure c, vec3 wo, float uLobe, vec2 u) {
   return toWorld(c.frame, vec3(r * cos(phi), r * sin(phi), sqrt(max(0.0, 1.0 - u.x))));
 }
 vec3 closureAlbedo(Closure c, vec3 wo) { return c.albedo; }
+SubsurfaceLobe closureWalk(Closure c, float u, inout vec3 below) {
+  return subsurfaceMake(c.albedo, vec3(0.0), vec3(0.0), 0.0);
+}
 #include "material/surface_tail.glsl"

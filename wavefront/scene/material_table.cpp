@@ -74,8 +74,9 @@ Status MaterialTable::Commit(bool* valuesChanged, bool* bindingsChanged) {
       info.parameters = parameters.Allocate(texels);
       *bindingsChanged = true;
     }
-    if (info.mediumPriority != data.mediumPriority) *bindingsChanged = true;
+    if (info.mediumPriority != data.mediumPriority || info.scatters != data.scatters) *bindingsChanged = true;
     info.mediumPriority = data.mediumPriority;
+    info.scatters = data.scatters;
     info.kernelKey = data.kernelKey;
     info.path = data.path;
   }

@@ -172,6 +172,7 @@ uint32_t SceneStore::BindingFor(const InstanceData& group, const ResidentMesh& m
     for (uint32_t bucket : {kernel->surface, kernel->opacity, kernel->emission}) {
       if (bucket != layout::kNoBucket) usedBuckets_[bucket - layout::kFirstMaterialBucket] = true;
     }
+    hasMedia_ = hasMedia_ || material->scatters;
   }
   put(0, id, primvarCount, material != nullptr ? material->mediumPriority : 0u);
   const auto putPrimvar = [&](const std::string& name) {
@@ -230,6 +231,7 @@ void SceneStore::ReleaseRanges() {
   bindingTexels_.clear();
   bindingCache_.clear();
   usedBuckets_.assign(materials.buckets().size(), false);
+  hasMedia_ = false;
 }
 
 // Order by path, never by arrival.
@@ -390,6 +392,7 @@ Status SceneStore::UploadRebuild(const Rebuild& b, uint32_t threads) {
   facts_.infiniteLightCount = lights.infiniteCount;
   facts_.lightCount = lights.lightCount;
   facts_.instances = b.instanceCount;
+  facts_.hasMedia = hasMedia_;
   return {};
 }
 

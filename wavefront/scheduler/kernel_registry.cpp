@@ -38,6 +38,9 @@ std::vector<vulkan::Binding> Bindings() {
 
 // They take the place of material kernels, and most renders need none.
 bool IsStandIn(Kernel kernel) { return kernel == Kernel::StandInSurface || kernel == Kernel::StandInShadow; }
+bool IsForMedia(Kernel kernel) {
+  return kernel == Kernel::MediumScatter || kernel == Kernel::SubsurfaceWalk || kernel == Kernel::SubsurfaceExit;
+}
 
 const char* EntryName(KernelEntry entry) {
   return entry == KernelEntry::Surface ? "surface" : entry == KernelEntry::Opacity ? "opacity" : "emission";
@@ -89,13 +92,14 @@ Status KernelRegistry::WarmUp(const vulkan::ComputePipeline& pipeline, KernelTim
   return {};
 }
 
-Status KernelRegistry::WarmUpFixed(vulkan::CommandStream& stream, const vulkan::DescriptorSet& set) {
-  if (fixedWarm_) return {};
+Status KernelRegistry::WarmUpFixed(bool media, vulkan::CommandStream& stream, const vulkan::DescriptorSet& set) {
   for (uint32_t k = 0; k < kKernelCount; ++k) {
-    if (!fixed_[k] || k == static_cast<uint32_t>(Kernel::MaterialCost)) continue;  // few renders ask for it
+    const Kernel kernel = static_cast<Kernel>(k);
+    if (!fixed_[k] || fixedWarm_[k] || kernel == Kernel::MaterialCost) continue;  // few renders ask for costs
+    if (!media && IsForMedia(kernel)) continue;
     if (Status s = WarmUp(*fixed_[k], times_[k], stream, set); !s) return s;
+    fixedWarm_[k] = true;
   }
-  fixedWarm_ = true;
   return {};
 }
 

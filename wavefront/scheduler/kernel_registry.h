@@ -4,6 +4,7 @@
 // the background (kernel_compiler.h): a bucket is there before its pipeline is.
 #pragma once
 
+#include <array>
 #include <memory>
 #include <string>
 #include <vector>
@@ -52,7 +53,8 @@ class KernelRegistry {
   // Orders pipelines for used buckets that have none yet from threads of their own: this returns at once.
   void Order(const std::vector<Bucket>& buckets, const std::vector<bool>& used, unsigned threads);
   // Dispatches the fixed kernels once with no work: that is where lavapipe compiles.
-  Status WarmUpFixed(vulkan::CommandStream& stream, const vulkan::DescriptorSet& set);
+  // Those of media wait for a scene with some.
+  Status WarmUpFixed(bool media, vulkan::CommandStream& stream, const vulkan::DescriptorSet& set);
   // Buckets whose pipeline has come, or failed, since the last call. What went wrong is said.
   std::vector<uint32_t> Adopt(const DiagnosticSink& sink);
   // Buckets that Adopt has not handed out yet, and those of them whose compiling is over.
@@ -92,7 +94,8 @@ class KernelRegistry {
   std::vector<BucketKernel> buckets_;
   std::vector<KernelTimes> times_;
   uint32_t pending_ = 0;
-  bool fixedWarm_ = false, saidNoCache_ = false, saidTrouble_ = false;
+  std::array<bool, kKernelCount> fixedWarm_{};
+  bool saidNoCache_ = false, saidTrouble_ = false;
   std::unique_ptr<KernelCompiler> compiler_;  // its threads use what stands above
 };
 

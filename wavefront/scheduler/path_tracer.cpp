@@ -102,7 +102,7 @@ Status PathTracer::Configure(const RenderSettings& settings, const CameraData& c
   const uint64_t counterBytes = 4ull * (kBucketBase + static_cast<uint64_t>(kBucketStride) * bucketCount_);
   struct Row { std::unique_ptr<vulkan::Buffer>* buffer; uint64_t bytes; MemoryKind kind; MemoryLocation location; const char* name; };
   for (const Row& row : {Row{&pathState_, pool * 16 * kPathChunks, MemoryKind::PathState, MemoryLocation::DeviceLocal, "path state"},
-                         {&queues_, pool * 4 * kItemArrays, MemoryKind::Queues, MemoryLocation::DeviceLocal, "queue items"},
+                         {&queues_, pool * 4 * (kItemsQueues + kQueueKinds), MemoryKind::Queues, MemoryLocation::DeviceLocal, "queue items"},
                          {&counters_, counterBytes, MemoryKind::Queues, MemoryLocation::DeviceLocal, "counters"},
                          {&readback_, counterBytes * kSlots, MemoryKind::Queues, MemoryLocation::HostVisible, "status"},
                          {&filmSums_, pixels * film_.sumChannels * 8, MemoryKind::Film, MemoryLocation::DeviceLocal, "film sums"},
@@ -125,7 +125,7 @@ Status PathTracer::Configure(const RenderSettings& settings, const CameraData& c
   kernels_->Order(scene.materials.buckets(), scene.usedBuckets(), threads);
   runs_.assign(scene.materials.buckets().size(), {});
   costsMeasured_ = false;
-  return kernels_->WarmUpFixed(*stream_, *set_);
+  return kernels_->WarmUpFixed(facts_.hasMedia, *stream_, *set_);
 }
 
 // The megakernel where it is asked for and can be had; else the wavefront loop.
@@ -264,6 +264,10 @@ void PathTracer::RecordIteration(std::vector<uint32_t>* rows) {
   // Side by side: they touch different paths, and the sort touches none.
   queue(Kernel::LightSample, Queue::LightSample);
   queue(Kernel::Escape, Queue::Escape);
+  if (facts_.hasMedia) {
+    queue(Kernel::MediumScatter, Queue::MediumScatter);
+    queue(Kernel::SubsurfaceWalk, Queue::SubsurfaceWalk);
+  }
   indirect(Kernel::Scatter, kPoolArgs);
   if (film_.of(Aov::MaterialCost) != kNoChannel) indirect(Kernel::MaterialCost, kPoolArgs);
   // New paths and all materials between two barriers.
@@ -279,6 +283,7 @@ void PathTracer::RecordIteration(std::vector<uint32_t>* rows) {
     stream_->DispatchIndirect(*counters_, 4ull * (kBucketBase + static_cast<uint64_t>(bucket) * kBucketStride + kBucketArgs));
     stamp(kKernelCount + b);
   }
+  if (facts_.hasMedia) queue(Kernel::SubsurfaceExit, Queue::SubsurfaceExit);
   stream_->Barrier();
   stream_->BindPipeline(kernels_->fixed(Kernel::ResetBuckets));
   stream_->Dispatch((std::max(bucketCount_, 2u) + 63) / 64);

@@ -305,6 +305,7 @@ void RendererImpl::ReportErrorFlags() {
   report(layout::kErrorNonFinite, "render-non-finite", "some samples were not finite numbers and count as black");
   report(layout::kErrorTransparency, "render-transparency-limit", "some rays met more transparent surfaces than the limit; what lies behind them counts as black");
   report(layout::kErrorMediaStack, "render-media-stack", "more than four transmissive bodies lie inside each other; the innermost absorb nothing");
+  report(layout::kErrorMediumSteps, "render-medium-steps", "some paths scattered too often inside of a body and were ended; it may be darker than it should be");
 }
 
 // Copies what the render thread knows to where any thread may read it. Device mutex held.
@@ -332,6 +333,9 @@ void RendererImpl::Publish() {
   auto queued = [&](Queue q) { return loop.queueItems[static_cast<uint32_t>(q)]; };
   items(Kernel::LightSample, queued(Queue::LightSample));
   items(Kernel::Escape, queued(Queue::Escape));
+  items(Kernel::MediumScatter, queued(Queue::MediumScatter));
+  items(Kernel::SubsurfaceWalk, queued(Queue::SubsurfaceWalk));
+  items(Kernel::SubsurfaceExit, queued(Queue::SubsurfaceExit));
   items(Kernel::ExtensionRay, queued(Queue::ExtensionRay));
   items(Kernel::ShadowRay, queued(Queue::ShadowRay));
   for (std::size_t b = layout::kFirstMaterialBucket; b < loop.bucketItems.size(); ++b) {

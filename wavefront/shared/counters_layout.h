@@ -22,7 +22,7 @@ WF_CONST(kNewPathBasePixel, 7u)
 WF_CONST(kNewPathCount, 8u)
 WF_CONST(kPoolArgs, 9u)          // x y z groups of the kernels over the whole pool; 0 once nothing is left to do
 WF_CONST(kScanArgs, 12u)         // x y z groups of scan_buckets; likewise
-// Ray queues: 8 words each: count being filled, count being traced, args x y z, items lo, items hi, peak
+// Queues: 8 words each: count being filled, count being traced, args x y z, items lo, items hi, peak
 WF_CONST(kQueueBase, 16u)
 WF_CONST(kQueueStride, 8u)
 WF_CONST(kQueueFill, 0u)
@@ -31,12 +31,12 @@ WF_CONST(kQueueArgs, 2u)
 WF_CONST(kQueueItemsLo, 5u)
 WF_CONST(kQueueItemsHi, 6u)
 WF_CONST(kQueuePeak, 7u)
-WF_CONST(kPathsDoneLo, 48u)
-WF_CONST(kPathsDoneHi, 49u)
-WF_CONST(kMegaNextWork, 50u)     // megakernel: work taken since mega_turn, counted past the end
+WF_CONST(kPathsDoneLo, 80u)
+WF_CONST(kPathsDoneHi, 81u)
+WF_CONST(kMegaNextWork, 82u)     // megakernel: work taken since mega_turn, counted past the end
 // Buckets: 11 words each: count, offset in the sorted indices, args x y z, cursor of the scatter, items lo, items hi, peak,
 // whether its paths are held because its kernel is still being compiled, and what one path of it costs (float, ns)
-WF_CONST(kBucketBase, 64u)
+WF_CONST(kBucketBase, 96u)
 WF_CONST(kBucketStride, 11u)
 WF_CONST(kBucketCount, 0u)
 WF_CONST(kBucketOffset, 1u)
@@ -49,20 +49,17 @@ WF_CONST(kBucketHold, 9u)
 WF_CONST(kBucketCost, 10u)
 WF_CONST(kBucketNewPath, 0u)     // bucket 0: idle paths; then one bucket per material entry point
 WF_CONST(kFirstMaterialBucket, 1u)
-// Queue items: six arrays of poolSize uints
+// Queue items: arrays of poolSize uints
 WF_CONST(kItemsKeys, 0u)         // bucket of each path (kNoBucket: none)
 WF_CONST(kItemsSorted, 1u)       // path indices by bucket
-WF_CONST(kItemsExtension, 2u)
-WF_CONST(kItemsShadow, 3u)
-WF_CONST(kItemsLightSample, 4u)
-WF_CONST(kItemsEscape, 5u)
-WF_CONST(kItemArrays, 6u)
+WF_CONST(kItemsQueues, 2u)       // path indices of queue 0; one array per row of queues.def
 
 WF_CONST(kErrorTraversalBudget, 1u)  // a ray gave up in the BVH
 WF_CONST(kErrorStackOverflow, 2u)
 WF_CONST(kErrorNonFinite, 4u)        // a sample was not finite and was dropped
 WF_CONST(kErrorTransparency, 8u)     // more transparent layers than maxTransparency: the rest blocked
 WF_CONST(kErrorMediaStack, 16u)      // more than four nested media
+WF_CONST(kErrorMediumSteps, 32u)     // a path scattered more often inside of a body than is allowed and was ended
 #ifdef __cplusplus
 }  // namespace wavefront::layout
 #endif

@@ -206,12 +206,14 @@ TEST_F(Determinism, OrderOfCreationDoesNotShow) {
   light.transforms = {{0, Moved(0.5, 1.2, 2.5)}};
   other.renderer->CreateLight(light);
   const MeshId box = other.renderer->CreateMesh(Box()), quad = other.renderer->CreateMesh(Quad());
-  const MaterialId glass = other.Material(MakeMaterial("glass", {}, 1, {}, {0.3f, 0.6f, 0.1f}));
+  const MaterialId glass = other.Material(MakeMaterial("glass", {}, 1, {}, {0.3f, 0.6f, 0.1f}, {1, 2, 3}, 0.3f));
+  const MaterialId wax = other.Material(MakeMaterial("wax", {0.8f, 0.5f, 0.3f}, 1, {0.1f, 0.2f, 0.05f}));
   const MaterialId gauze = other.Material(MakeMaterial("cutout", {0.4f, 0.8f, 0.3f}, 0.4f));
   const MaterialId lamp = other.Material(MakeMaterial("emissive", {0.2f, 0.2f, 0.2f}, 1, {4, 3, 2}));
   const MaterialId grey = other.Material(MakeMaterial("lambert", {0.7f, 0.6f, 0.5f}));
   other.Instance("/gauze", quad, gauze, {Scaled(0.8, 0.8, 1, 0.2, -0.3, 0.4), Scaled(0.8, 0.8, 1, 0.3, -0.2, 0.4)});
   other.Instance("/glass", box, glass, {Scaled(0.3, 0.3, 0.3, -0.7, -0.6, 0)});
+  other.Instance("/wax", box, wax, {Scaled(0.2, 0.3, 0.2, 0.9, -0.4, 0)});
   other.Instance("/lamp", quad, lamp, {Scaled(0.3, 0.3, 1, -0.9, 0.7, -0.7)});
   other.Instance("/wall", quad, grey, {Scaled(3, 3, 1, 0, 0, -1.5), Scaled(0.4, 0.4, 0.4, 0.8, 0.5, 0.3)});
   other.settings = usual_;

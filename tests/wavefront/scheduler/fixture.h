@@ -22,32 +22,37 @@
 
 namespace wavefront {
 
-// texel 0: albedo, opacity; texel 1: emission; texel 2: extinction of the inside.
+// texels 0 and 1: the medium inside, as every body's; texel 2: albedo, opacity; texel 3: emission. WAX: what is diffuse
+// lets light in for a random walk instead; its radius is where others have their emission.
 inline constexpr const char* kClosure = R"(
-struct Closure { vec3 opacity; vec3 emission; vec3 interiorExtinction; vec3 albedo; vec3 n; };
+struct Closure { vec3 opacity; vec3 emission; Medium interior; vec3 albedo; vec3 n; vec3 radius; };
+const bool kHasSubsurface = WAX;
 const bool kHasTransmission = GLASS;
 const bool kHasOpacity = OPACITY;
 const bool kHasEmission = EMISSION;
 void closureMake(ShadingPoint sp, out Closure c) {
-  vec4 a = materialParameter(sp, 0u);
+  vec4 a = materialParameter(sp, 2u);
   c.albedo = a.rgb;
   c.opacity = vec3(a.a);
-  c.emission = materialParameter(sp, 1u).rgb;
-  c.interiorExtinction = materialParameter(sp, 2u).rgb;
+  c.emission = EMISSION ? materialParameter(sp, 3u).rgb : vec3(0.0);
+  c.radius = materialParameter(sp, 3u).rgb;
+  c.interior = mediumAt(sp.parameterBase);
   c.n = dot(sp.normalWorld, sp.wo) < 0.0 ? -sp.normalWorld : sp.normalWorld;
 }
 // Lambert; or, as glass, a boundary that nothing happens at: straight on, with the pdf of a narrow cone.
-vec4 closureEval(Closure c, vec3 wo, vec3 wi) {
+vec4 closureEval(Closure c, vec3 wo, vec3 wi, inout vec3 below) {
   if (GLASS) return dot(wi, wo) < -0.99999 ? vec4(1e6) : vec4(0.0);
-  float k = max(dot(c.n, wi), 0.0) * 0.31830988618;
+  float k = max(WAX ? -dot(c.n, wi) : dot(c.n, wi), 0.0) * 0.31830988618;
+  if (WAX) below = c.albedo * k;
   return vec4(c.albedo * k, k);
 }
 vec3 closureSample(Closure c, vec3 wo, float uLobe, vec2 u) {
   if (GLASS) return -wo;
   float r = sqrt(u.x), phi = 6.28318530718 * u.y;
   vec3 x = normalize(cross(abs(c.n.x) > 0.9 ? vec3(0.0, 1.0, 0.0) : vec3(1.0, 0.0, 0.0), c.n));
-  return normalize(r * cos(phi) * x + r * sin(phi) * cross(c.n, x) + sqrt(max(0.0, 1.0 - u.x)) * c.n);
+  return normalize(r * cos(phi) * x + r * sin(phi) * cross(c.n, x) + sqrt(max(0.0, 1.0 - u.x)) * (WAX ? -c.n : c.n));
 }
+SubsurfaceLobe closureWalk(Closure c, float u, inout vec3 below) { return subsurfaceMake(c.n, c.albedo, c.radius, 0.0); }
 vec3 closureAlbedo(Closure c, vec3 wo) { return c.albedo; }
 )";
 
@@ -57,20 +62,20 @@ inline std::string MaterialSource(const std::string& head, const std::string& bo
 }
 
 // As materialgen writes them; the megakernel is linked of these.
-inline std::shared_ptr<const materialgen::KernelSource> MakeSource(const std::string& key, bool opacity, bool emission, bool glass) {
+inline std::shared_ptr<const materialgen::KernelSource> MakeSource(const std::string& key, bool opacity, bool emission, bool glass, bool wax = false) {
   std::string closure = kClosure;
-  for (auto [name, value] : {std::pair{"OPACITY", opacity}, {"EMISSION", emission}, {"GLASS", glass}}) {
+  for (auto [name, value] : {std::pair{"OPACITY", opacity}, {"EMISSION", emission}, {"GLASS", glass}, {"WAX", wax}}) {
     for (std::size_t at; (at = closure.find(name)) != std::string::npos;) closure.replace(at, std::strlen(name), value ? "true" : "false");
   }
   auto source = std::make_shared<materialgen::KernelSource>();
   source->key = key;
   source->surface = MaterialSource("surface_head.glsl", closure, "surface_tail.glsl");
   if (opacity) {
-    source->opacity = MaterialSource("pattern_head.glsl", "vec3 materialOpacity(ShadingPoint sp) { return vec3(materialParameter(sp, 0u).a); }",
+    source->opacity = MaterialSource("pattern_head.glsl", "vec3 materialOpacity(ShadingPoint sp) { return vec3(materialParameter(sp, 2u).a); }",
                                      "opacity_tail.glsl");
   }
   if (emission) {
-    source->emission = MaterialSource("pattern_head.glsl", "vec3 materialEmission(ShadingPoint sp) { return materialParameter(sp, 1u).rgb; }",
+    source->emission = MaterialSource("pattern_head.glsl", "vec3 materialEmission(ShadingPoint sp) { return materialParameter(sp, 3u).rgb; }",
                                       "emission_tail.glsl");
   }
   return source;
@@ -93,13 +98,17 @@ inline MaterialKernelData MakeKernel(const materialgen::KernelSource& source) {
   return kernel;
 }
 
-inline MaterialKernelData MakeKernel(const std::string& key, bool opacity, bool emission, bool glass) {
-  return MakeKernel(*MakeSource(key, opacity, emission, glass));
+inline MaterialKernelData MakeKernel(const std::string& key, bool opacity, bool emission, bool glass, bool wax = false) {
+  return MakeKernel(*MakeSource(key, opacity, emission, glass, wax));
 }
 
-inline MaterialData MakeMaterial(const std::string& kernel, Float3 albedo, float opacity = 1, Float3 emission = {}, Float3 extinction = {}) {
-  return {"/material/" + kernel, kernel,
-          {{albedo.x, albedo.y, albedo.z, opacity}, {emission.x, emission.y, emission.z, 0}, {extinction.x, extinction.y, extinction.z, 0}}};
+inline MaterialData MakeMaterial(const std::string& kernel, Float3 albedo, float opacity = 1, Float3 emission = {}, Float3 absorption = {},
+                                 Float3 scattering = {}, float anisotropy = 0) {
+  MaterialData data{"/material/" + kernel, kernel,
+          {{absorption.x, absorption.y, absorption.z, anisotropy}, {scattering.x, scattering.y, scattering.z, 1},
+           {albedo.x, albedo.y, albedo.z, opacity}, {emission.x, emission.y, emission.z, 0}}};
+  data.scatters = kernel == "wax" || scattering.x + scattering.y + scattering.z > 0;
+  return data;
 }
 
 inline Matrix4d Scaled(double sx, double sy, double sz, double tx = 0, double ty = 0, double tz = 0) {
@@ -154,7 +163,7 @@ class World {
   MaterialId Material(MaterialData data) {
     if (!renderer->HasKernel(data.kernelKey)) {
       const std::string& k = data.kernelKey;
-      sources_[k] = MakeSource(k, k == "cutout", k == "emissive", k == "glass");
+      sources_[k] = MakeSource(k, k == "cutout", k == "emissive", k == "glass", k == "wax");
       renderer->RegisterKernel(MakeKernel(*sources_[k]));
     }
     return renderer->CreateMaterial(std::move(data));
@@ -216,17 +225,19 @@ class World {
     return diagnostics_.size();
   }
 
-  // Lambert walls, an emissive square, cutouts and analytic lights: every kind of bucket and queue has work.
+  // Lambert walls, an emissive square, cutouts, bodies that scatter and analytic lights: every kind of bucket and queue has work.
   void AddMixedScene() {
     const MeshId quad = renderer->CreateMesh(Quad()), box = renderer->CreateMesh(Box());
     const MaterialId grey = Material(MakeMaterial("lambert", {0.7f, 0.6f, 0.5f}));
     const MaterialId lamp = Material(MakeMaterial("emissive", {0.2f, 0.2f, 0.2f}, 1, {4, 3, 2}));
     const MaterialId gauze = Material(MakeMaterial("cutout", {0.4f, 0.8f, 0.3f}, 0.4f));
-    const MaterialId glass = Material(MakeMaterial("glass", {}, 1, {}, {0.3f, 0.6f, 0.1f}));
+    const MaterialId glass = Material(MakeMaterial("glass", {}, 1, {}, {0.3f, 0.6f, 0.1f}, {1, 2, 3}, 0.3f));
+    const MaterialId wax = Material(MakeMaterial("wax", {0.8f, 0.5f, 0.3f}, 1, {0.1f, 0.2f, 0.05f}));
     Instance("/wall", quad, grey, {Scaled(3, 3, 1, 0, 0, -1.5), Scaled(0.4, 0.4, 0.4, 0.8, 0.5, 0.3)});
     Instance("/lamp", quad, lamp, {Scaled(0.3, 0.3, 1, -0.9, 0.7, -0.7)});
     Instance("/gauze", quad, gauze, {Scaled(0.8, 0.8, 1, 0.2, -0.3, 0.4), Scaled(0.8, 0.8, 1, 0.3, -0.2, 0.4)});
     Instance("/glass", box, glass, {Scaled(0.3, 0.3, 0.3, -0.7, -0.6, 0)});
+    Instance("/wax", box, wax, {Scaled(0.2, 0.3, 0.2, 0.9, -0.4, 0)});
     LightData light;
     light.path = "/rect";
     light.type = LightType::Rect;

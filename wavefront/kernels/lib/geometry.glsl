@@ -160,6 +160,7 @@ ShadingPoint shadingPointMake(uint instance, uint triangleRecord, vec2 barycentr
   sp.mesh = ids.x * kMeshTexels;
   sp.wo = wo;
   sp.time = time;
+  sp.exteriorIor = 1.0;
   sp.binding = texelFetch(indexStream, int(ids.y + floatBitsToUint(t1.w))).x;  // hitBinding, with what is here
   sp.parameterBase = texelFetch(bindingRecords, int(sp.binding)).w;
 

@@ -1,59 +1,123 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the hdWavefront authors
-// The stack of media that a path is inside of: up to four entries of 64 bits (chunks MediaA and MediaB), filled from the
-// front in the order in which they were entered. The path is in the one of highest priority; among equals, in the one
-// entered last (Schmidt and Budge, "Simple Nested Dielectrics in Ray Traced Images", 2002, section 2). A body is left by
-// its id, so bodies that overlap (a liquid that reaches into its glass) may be left in any order.
-//
-// Entry: extinction r, g, b as halves without their sign (15 bits each), id (14 bits; 0: unused), priority (5 bits):
-//   x = r | g << 15 | (id & 3) << 30      y = b | (id >> 2) << 15 | priority << 27
+// Homogeneous media inside of bodies. A path keeps two chunks:
+//  - MediaStack: the bodies that it is inside of, up to four entries of 32 bits, filled from the front in the order in
+//    which they were entered: first texel of the material's parameter block + 1 (27 bits; 0: unused), priority (5 bits).
+//    The path is in the one of highest priority; among equals, in the one entered last (Schmidt and Budge, "Simple Nested
+//    Dielectrics in Ray Traced Images", 2002, section 2). A body is left by its entry, so bodies that overlap (a liquid
+//    that reaches into its glass) may be left in any order.
+//  - Medium: the coefficients of the one it is in now. They are taken where the path enters; those of a body that it
+//    comes back to stand in the first two texels of that material's parameter block.
+// Rays in a body that scatters reach no farther than a free flight sampled when they start (tMax): a miss is a
+// scattering event. The channel that a flight is sampled in is chosen by throughput, and weights are the balance
+// heuristic over channels (Veach 1997), so that no channel can blow up; as the choice follows the throughput, a segment
+// may be cut in two (a surface passed by opacity) without a new sample.
 #ifndef WAVEFRONT_LIB_MEDIA_GLSL
 #define WAVEFRONT_LIB_MEDIA_GLSL
+#include "lib/bindings.glsl"
 
 struct Medium {
-  vec3 extinction;  // 1 / scene unit
-  uint id;          // of the material: bodies of one material are alike
-  uint priority;    // 0..31
+  vec3 absorption;   // 1 / scene unit
+  vec3 scattering;
+  float anisotropy;  // mean cosine of Henyey and Greenstein's phase function
 };
-const uint kMediumIds = 16383u;
+Medium clearMedium() { return Medium(vec3(0.0), vec3(0.0), 0.0); }
 
-uvec2 packMedium(Medium m) {
-  m.extinction = clamp(m.extinction, vec3(0.0), vec3(65000.0));
-  uint rg = packHalf2x16(m.extinction.xy), b = packHalf2x16(vec2(m.extinction.z, 0.0));
-  uint id = 1u + m.id % kMediumIds;
-  return uvec2((rg & 0x7fffu) | ((rg >> 16) & 0x7fffu) << 15 | (id & 3u) << 30,
-               (b & 0x7fffu) | (id >> 2) << 15 | min(m.priority, 31u) << 27);
-}
-vec3 unpackExtinction(uvec2 e) {
-  return vec3(unpackHalf2x16((e.x & 0x7fffu) | ((e.x >> 15) & 0x7fffu) << 16), unpackHalf2x16(e.y & 0x7fffu).x);
-}
-uint mediumId(uvec2 e) { return (e.x >> 30) | ((e.y >> 15) & 0xfffu) << 2; }  // as packed; 0: unused
-uint mediumPriority(uvec2 e) { return e.y >> 27; }
+// ---- Chunk Medium: x y z: absorption | scattering << 16 of r, g, b; w: anisotropy (12 bits) | scatters << 12 | id << 16 --
 
-vec3 mediumExtinction(uvec4 a, uvec4 b) {
-  uvec2 inside = a.xy;
-  if (mediumId(a.zw) != 0u && mediumPriority(a.zw) >= mediumPriority(inside)) inside = a.zw;
-  if (mediumId(b.xy) != 0u && mediumPriority(b.xy) >= mediumPriority(inside)) inside = b.xy;
-  if (mediumId(b.zw) != 0u && mediumPriority(b.zw) >= mediumPriority(inside)) inside = b.zw;
-  return unpackExtinction(inside);  // an unused entry is zero
+// Six bits of exponent and ten of mantissa: 2e-10 to 8e9, to 0.05 %.
+uvec3 packCoefficients(vec3 v) {
+  v = clamp(v, vec3(0.0), vec3(4e9));
+  return uvec3(max(ivec3((floatBitsToUint(v) + 0x1000u) >> 13) - (95 << 10), ivec3(0)));
+}
+vec3 unpackCoefficients(uvec3 bits) {
+  return mix(uintBitsToFloat((bits + (95u << 10)) << 13), vec3(0.0), equal(bits, uvec3(0u)));
+}
+const uint kMediumScatters = 0x1000u;
+
+// `id`: whatever the user wants to find again, 16 bits.
+uvec4 packMedium(Medium m, uint id) {
+  uvec3 scattering = packCoefficients(m.scattering);
+  uint g = uint(clamp(m.anisotropy, -0.999, 0.999) * 2047.0 + 2048.5);
+  bool scatters = (scattering.x | scattering.y | scattering.z) != 0u;
+  return uvec4(packCoefficients(m.absorption) | scattering << 16, g | (scatters ? kMediumScatters : 0u) | id << 16);
+}
+bool mediumScatters(uvec4 medium) { return (medium.w & kMediumScatters) != 0u; }
+uint mediumId(uvec4 medium) { return medium.w >> 16; }
+float mediumAnisotropy(uvec4 medium) { return (float(medium.w & 0xfffu) - 2048.0) * (1.0 / 2047.0); }
+vec3 mediumScattering(uvec4 medium) { return unpackCoefficients(medium.xyz >> 16); }
+vec3 mediumExtinction(uvec4 medium) { return unpackCoefficients(medium.xyz & 0xffffu) + mediumScattering(medium); }
+
+// What a segment of that length leaves of the throughput: the path scatters at its end, or meets a surface there.
+vec3 mediumWeight(uvec4 medium, vec3 throughput, float distance, bool scatters) {
+  vec3 scattering = mediumScattering(medium);
+  vec3 extinction = unpackCoefficients(medium.xyz & 0xffffu) + scattering;
+  vec3 transmittance = exp(-extinction * distance);
+  vec3 chance = throughput / max(throughput.r + throughput.g + throughput.b, 1e-30);
+  float density = dot(chance, scatters ? extinction * transmittance : transmittance);
+  vec3 value = scatters ? scattering * transmittance : transmittance;
+  return mediumScatters(medium) ? value / max(density, 1e-30) : transmittance;
+}
+// A free flight for a path of that throughput; `u` chooses the channel and is stretched.
+float mediumFlight(uvec4 medium, vec3 throughput, float u) {
+  vec3 extinction = mediumExtinction(medium);
+  float x = u * (throughput.r + throughput.g + throughput.b);
+  vec2 upTo = vec2(throughput.r, throughput.r + throughput.g);
+  bool isRed = x < upTo.x, isGreen = x < upTo.y;
+  float share = isRed ? throughput.r : (isGreen ? throughput.g : throughput.b);
+  float sigma = isRed ? extinction.r : (isGreen ? extinction.g : extinction.b);
+  float v = clamp((isRed ? x : (isGreen ? x - upTo.x : x - upTo.y)) / max(share, 1e-30), 0.0, 0.9999999);
+  return sigma > 0.0 ? min(-log(1.0 - v) / sigma, 3e38) : 3e38;
+}
+// What is left of light on its way through the medium. Lights at infinity are seen from open bodies that only absorb
+// without loss, and not from open bodies that scatter: extension rays do the same.
+vec3 mediumTransmittance(uvec4 medium, float distance) {
+  vec3 transmittance = exp(-mediumExtinction(medium) * min(distance, 1e30));
+  return distance < 1e29 || mediumScatters(medium) ? transmittance : vec3(1.0);
 }
 
-// False where the stack is full; the medium is then not entered.
-bool mediumEnter(inout uvec4 a, inout uvec4 b, Medium m) {
-  uvec2 e = packMedium(m);
-  if (mediumId(a.xy) == 0u) a.xy = e;
-  else if (mediumId(a.zw) == 0u) a.zw = e;
-  else if (mediumId(b.xy) == 0u) b.xy = e;
-  else if (mediumId(b.zw) == 0u) b.zw = e;
+// ---- Chunk MediaStack -------------------------------------------------------------------------------------------------
+
+uint mediumEntry(uint parameterBase, uint priority) { return ((parameterBase + 1u) & 0x7ffffffu) | min(priority, 31u) << 27; }
+uint mediumPriority(uint entry) { return entry >> 27; }
+
+// The entry that the path is in, entries equal to `except` not counted (0: all count); 0: in none.
+uint mediumTop(uvec4 stack, uint except) {
+  uvec4 e = mix(stack, uvec4(0u), equal(stack, uvec4(except)));
+  uint top = e.x;
+  if (e.y != 0u && mediumPriority(e.y) >= mediumPriority(top)) top = e.y;
+  if (e.z != 0u && mediumPriority(e.z) >= mediumPriority(top)) top = e.z;
+  if (e.w != 0u && mediumPriority(e.w) >= mediumPriority(top)) top = e.w;
+  return top;
+}
+// False where the stack is full; the body is then not entered.
+bool mediumEnter(inout uvec4 stack, uint entry) {
+  if (stack.x == 0u) stack.x = entry;
+  else if (stack.y == 0u) stack.y = entry;
+  else if (stack.z == 0u) stack.z = entry;
+  else if (stack.w == 0u) stack.w = entry;
   else return false;
   return true;
 }
-// Leaves the body of that id that was entered last. One that was never entered (the camera stands inside) is none to leave.
-void mediumLeave(inout uvec4 a, inout uvec4 b, uint id) {
-  id = 1u + id % kMediumIds;
-  if (mediumId(b.zw) == id) { b.zw = uvec2(0u); }
-  else if (mediumId(b.xy) == id) { b = uvec4(b.zw, 0u, 0u); }
-  else if (mediumId(a.zw) == id) { a.zw = b.xy; b = uvec4(b.zw, 0u, 0u); }
-  else if (mediumId(a.xy) == id) { a = uvec4(a.zw, b.xy); b = uvec4(b.zw, 0u, 0u); }
+// Leaves the body of that entry that was entered last. One that was never entered (the camera stands inside) is none to leave.
+void mediumLeave(inout uvec4 stack, uint entry) {
+  if (stack.w == entry) { stack.w = 0u; }
+  else if (stack.z == entry) { stack.zw = uvec2(stack.w, 0u); }
+  else if (stack.y == entry) { stack.yzw = uvec3(stack.zw, 0u); }
+  else if (stack.x == entry) { stack = uvec4(stack.yzw, 0u); }
+}
+
+// ---- Parameter blocks: texel 0: absorption, anisotropy; texel 1: scattering, index of refraction -----------------------
+
+Medium mediumAt(uint parameterBase) {
+  vec4 a = texelFetch(materialParameters, int(parameterBase)), s = texelFetch(materialParameters, int(parameterBase + 1u));
+  return Medium(a.rgb, s.rgb, a.w);
+}
+uvec4 mediumOf(uint entry) {
+  if (entry == 0u) return uvec4(0u);
+  return packMedium(mediumAt((entry & 0x7ffffffu) - 1u), 0u);
+}
+float mediumIor(uint entry) {
+  return entry == 0u ? 1.0 : texelFetch(materialParameters, int(entry & 0x7ffffffu)).w;  // base + 1 is texel 1
 }
 #endif

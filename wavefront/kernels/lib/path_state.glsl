@@ -10,19 +10,21 @@
 #include "shared/path_state.def"
 #undef WAVEFRONT_PATH_CHUNK
 
-// Flags word of chunk Ids: phase | bounce << 4 | passes << 12 | shadow passes << 20 | bits
+// Flags word of chunk Ids: phase | a bit | bounce << 4 | passes << 12 | shadow passes << 20 | bits
 const uint kPhaseIdle = 0u;       // no path; wants a new one
 const uint kPhaseReady = 1u;      // rays are done: logic
 const uint kPhaseOpacity = 2u;    // shadow ray met a surface that is not opaque: opacity kernel
 const uint kPhaseEmission = 3u;   // light sample is seen, its emission is to be found: emission kernel
-const uint kPhaseHeld = 8u;       // logic is done with it; its surface kernel is still being compiled
-const uint kPhaseMask = 0xfu;
+const uint kPhaseHeld = 4u;       // logic is done with it; its surface kernel is still being compiled
+const uint kPhaseMask = 0x7u;
+const uint kFlagSubsurface = 0x8u;          // on a random walk below a surface
 const uint kBounceShift = 4u;
 const uint kPassShift = 12u;
 const uint kShadowPassShift = 20u;
 const uint kFlagAovWritten = 0x10000000u;   // first hit's AOVs are in the film
 const uint kFlagEnd = 0x40000000u;          // the path is over once its shadow ray is done; no extension ray was cast
 const uint kFlagShadow = 0x20000000u;       // ShadowContribution is to be added (unless found blocked)
+const uint kFlagMediumLight = 0x80000000u;  // the light was sampled from a point inside of a body
 
 uvec4 fetchPath(uint chunk, uint path) { return texelFetch(pathStateRead, int(chunk * frame.poolSize + path)); }
 void writePath(uint chunk, uint path, uvec4 value) { pathStateWrite[chunk * frame.poolSize + path] = value; }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the hdWavefront authors
-// Pushing path indices to the ray queues. A path stands in a queue at most once per iteration, so capacity = pool size.
+// Pushing path indices to the queues. A path stands in a queue at most once per iteration, so capacity = pool size.
 #ifndef WAVEFRONT_LIB_QUEUE_GLSL
 #define WAVEFRONT_LIB_QUEUE_GLSL
 #include "lib/bindings.glsl"
@@ -9,6 +9,11 @@
 #define WAVEFRONT_QUEUE(Name, index, doc) const uint kQueue##Name = index;
 #include "shared/queues.def"
 #undef WAVEFRONT_QUEUE
+const uint kQueueKinds = 0u
+#define WAVEFRONT_QUEUE(Name, index, doc) + 1u
+#include "shared/queues.def"
+#undef WAVEFRONT_QUEUE
+    ;
 
 // What was pushed becomes what is worked on: arguments, statistics, and an empty fill count. One invocation per queue.
 void closeQueue(uint queue) {
@@ -32,25 +37,14 @@ uint workLeft() {
 }
 void reportError(uint flag) { atomicOr(counters[kErrorFlags], flag); }
 
+const uint kNoQueue = 0xffffffffu;
 // In the megakernel a path's queues are bits of its invocation's own.
 #ifdef WAVEFRONT_MEGAKERNEL
 #include "megakernel/queue.glsl"
 #else
-void pushExtensionRay(uint path) {
-  uint slot = atomicAdd(counters[kQueueBase + kQueueExtensionRay * kQueueStride + kQueueFill], 1u);
-  queueItems[kItemsExtension * frame.poolSize + slot] = path;
-}
-void pushShadowRay(uint path) {
-  uint slot = atomicAdd(counters[kQueueBase + kQueueShadowRay * kQueueStride + kQueueFill], 1u);
-  queueItems[kItemsShadow * frame.poolSize + slot] = path;
-}
-void pushLightSample(uint path) {
-  uint slot = atomicAdd(counters[kQueueBase + kQueueLightSample * kQueueStride + kQueueFill], 1u);
-  queueItems[kItemsLightSample * frame.poolSize + slot] = path;
-}
-void pushEscape(uint path) {
-  uint slot = atomicAdd(counters[kQueueBase + kQueueEscape * kQueueStride + kQueueFill], 1u);
-  queueItems[kItemsEscape * frame.poolSize + slot] = path;
+void pushQueue(uint queue, uint path) {
+  uint slot = atomicAdd(counters[kQueueBase + queue * kQueueStride + kQueueFill], 1u);
+  queueItems[(kItemsQueues + queue) * frame.poolSize + slot] = path;
 }
 // The path's bucket in this iteration, kNoBucket: none. Once a path and iteration.
 void sendToBucket(uint path, uint key) {
@@ -58,9 +52,9 @@ void sendToBucket(uint path, uint key) {
   if (key != kNoBucket) atomicAdd(counters[kBucketBase + key * kBucketStride + kBucketCount], 1u);
 }
 // The path of this invocation in a kernel over a queue; false past its end.
-bool queuePath(uint queue, uint items, out uint path) {
+bool queuePath(uint queue, out uint path) {
   if (gl_GlobalInvocationID.x >= counters[kQueueBase + queue * kQueueStride + kQueueCount]) { path = 0u; return false; }
-  path = queueItems[items * frame.poolSize + gl_GlobalInvocationID.x];
+  path = queueItems[(kItemsQueues + queue) * frame.poolSize + gl_GlobalInvocationID.x];
   return true;
 }
 // The path of this invocation in a material kernel; false past the bucket's end.
@@ -78,4 +72,6 @@ bool takeWork(out uint path, out uint work) {
   return true;
 }
 #endif
+void pushExtensionRay(uint path) { pushQueue(kQueueExtensionRay, path); }
+void pushShadowRay(uint path) { pushQueue(kQueueShadowRay, path); }
 #endif

@@ -58,8 +58,15 @@ const uint kPairLightPick = 0u;
 const uint kPairLightPoint = 1u;
 const uint kPairLobe = 2u;
 const uint kPairDirection = 3u;
-const uint kPairRoulette = 4u;
+const uint kPairExit = 4u;  // direction in which a random walk leaves the surface
 uint bouncePair(uint bounce, uint pair) { return kPairFirstBounce + bounce * kPairsPerBounce + pair; }
+// Events inside of a body cost no bounce: a block of pairs per event since the path entered it.
+const uint kMediumDirection = 0u;
+const uint kMediumFlight = 1u;  // and the second number: Russian roulette
+const uint kMediumLightPick = 2u;
+const uint kMediumLightPoint = 3u;
+const uint kMediumWalkEvents = 2048u;  // events of random walks start here: one may begin inside of a body that scatters
+uint mediumPair(uint bounce, uint event, uint pair) { return 0x40000000u + ((bounce << 12) + event) * 4u + pair; }
 // Passing through a transparent surface costs no bounce: its random number comes from a hash of its own.
 float samplePass(uint pixelSeed, uint index, uint bounce, uint passes) {
   return unitFloat(hashCombine(hashCombine(hashCombine(pixelSeed, index), bounce + 0x51ed270bu), passes));

@@ -13,6 +13,7 @@ struct ShadingPoint {
   bool frontFacing;        // wo is on the authored outside
   float footprint;         // width of the ray cone at the hit, world units
   float time;              // frame time of the path
+  float exteriorIor;       // index of refraction of what surrounds the body whose boundary this is
   // where the data lie; used by the readers in geometry.glsl
   uint instance;
   uint triangle;           // triangle index in MeshData order

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the hdWavefront authors
 // Emission kernel: the light sample lies on an emissive triangle of this material and is seen; multiplies its radiance.
-// Reads: Ids, ShadowContribution, LightSample. Writes: ShadowContribution, Ids. Runs after: scatter.
+// Reads: Ids, ShadowContribution, LightSample, Cone, Walk. Writes: ShadowContribution, Ids. Runs after: scatter.
 vec2 emissionTriangleSample(vec2 u) {   // as sampleTriangle in lights/light_table.glsl
   if (u.y > u.x) { u.x *= 0.5; u.y -= u.x; } else { u.y *= 0.5; u.x -= u.y; }
   return vec2(1.0 - u.x - u.y, u.y);
@@ -13,8 +13,10 @@ void main() {
   uvec4 contributionItem = loadPath(kChunkShadowContribution, path);
   vec4 light = uintBitsToFloat(loadPath(kChunkLightSample, path));
   uvec4 item = texelFetch(lightItems, int(contributionItem.w));
-  // The point that the logic kernel sampled: the same random numbers give it again.
-  vec2 b = emissionTriangleSample(sample2D(ids.z, ids.y, bouncePair(pathBounce(ids.w) - ((ids.w & kFlagEnd) != 0u ? 0u : 1u), kPairLightPoint)));
+  // The point that the light sample kernel found, or medium_scatter: the same random numbers give it again.
+  uint bounce = pathBounce(ids.w) - ((ids.w & (kFlagEnd | kFlagSubsurface)) != 0u ? 0u : 1u);
+  uint pair = (ids.w & kFlagMediumLight) != 0u ? loadPath(kChunkWalk, path).y : bouncePair(bounce, kPairLightPoint);
+  vec2 b = emissionTriangleSample(sample2D(ids.z, ids.y, pair));
   ShadingPoint sp = shadingPointMake(item.x, item.y, b, -light.xyz, 0.0, uintBitsToFloat(loadPath(kChunkCone, path)).y);
   vec3 contribution = uintBitsToFloat(contributionItem.rgb) * max(materialEmission(sp), vec3(0.0));
   storePath(kChunkShadowContribution, path, uvec4(floatBitsToUint(contribution), kNoLight));

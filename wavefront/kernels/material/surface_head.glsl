@@ -4,7 +4,9 @@
 #extension GL_GOOGLE_include_directive : require
 #include "material/pattern_head.glsl"
 #include "lib/media.glsl"
-#include "lib/mis.glsl"
+#include "lib/subsurface.glsl"
 #include "lib/ray_offset.glsl"
 #include "lib/film.glsl"
 #include "lib/contribute.glsl"
+#include "lib/shadow_cast.glsl"
+#include "lib/bsdf/subsurface.glsl"

@@ -2,7 +2,8 @@
 // Copyright the hdWavefront authors
 // Material kernel, the part that every material shares (Laine et al. 2013): emission, pass-through by opacity, first-hit
 // AOVs, then sampling a direction and weighing the light sample in one go, so that the closure can be dropped.
-// Reads: RayOrigin, RayDirection, Hit, HitDistance, Throughput, Radiance, Ids, LightSample, LightRadiance, Media, Cone.
+// Reads: RayOrigin, RayDirection, Hit, HitDistance, Throughput, Radiance, Ids, LightSample, LightRadiance, MediaStack,
+// Medium, Cone.
 // Writes: those of the next segment. Pushes to: extension rays, shadow rays. Runs after: scatter.
 
 // Emission of the surface itself, weighed against the light sample that could have found it.
@@ -52,20 +53,29 @@ void filmFirstHit(uvec4 ids, ShadingPoint sp, Closure c) {
   filmFirstPrimvars(pixel, sp);
 }
 
-// Passing through by opacity: the surface is there with probability mean(opacity). What gets through costs no bounce,
-// keeps the ray's origin and moves its start forward. True: the ray went on, this hit is done with.
-bool passThrough(uint path, inout uvec4 ids, Closure c, uvec4 hit, uvec4 extra, vec3 origin, inout vec3 throughput, float bsdfPdf) {
-  vec3 opacity = clamp(c.opacity, vec3(0.0), vec3(1.0));
-  float present = (opacity.r + opacity.g + opacity.b) * (1.0 / 3.0);
-  uint bounce = pathBounce(ids.w), passes = pathPasses(ids.w);
-  if (samplePass(ids.z, ids.y, bounce, passes) < present) {
-    throughput *= opacity / max(present, 1e-6);
-    return false;
-  }
-  if (passes >= frame.maxTransparency) {
+// The ray goes on behind this hit as if nothing were there: it keeps its origin and moves its start forward.
+void passOn(uint path, uvec4 ids, uvec4 hit, uvec4 extra, vec3 origin, vec3 throughput, float bsdfPdf) {
+  if (pathPasses(ids.w) >= frame.maxTransparency) {
     reportError(kErrorTransparency);
     storePath(kChunkIds, path, uvec4(ids.xyz, ids.w | kFlagEnd));
-    return true;
+    return;
+  }
+  storePathF(kChunkThroughput, path, vec4(throughput, bsdfPdf));
+  storePath(kChunkRayOrigin, path, uvec4(floatBitsToUint(origin), extra.x));
+  storePath(kChunkHitDistance, path, uvec4(extra.x, hit.x, hit.y, extra.w));
+  storePath(kChunkIds, path, uvec4(ids.xyz, ids.w + (1u << kPassShift)));
+  pushExtensionRay(path);
+}
+
+// Passing through by opacity: the surface is there with probability mean(opacity). What gets through costs no bounce.
+// True: the ray goes on, this hit is done with.
+bool passThrough(uint path, uvec4 ids, Closure c, inout vec3 throughput) {
+  vec3 opacity = clamp(c.opacity, vec3(0.0), vec3(1.0));
+  float present = (opacity.r + opacity.g + opacity.b) * (1.0 / 3.0);
+  uint bounce = pathBounce(ids.w);
+  if (samplePass(ids.z, ids.y, bounce, pathPasses(ids.w)) < present) {
+    throughput *= opacity / max(present, 1e-6);
+    return false;
   }
   throughput *= (vec3(1.0) - opacity) / max(1.0 - present, 1e-6);
   if (bounce == 0u) {
@@ -73,57 +83,33 @@ bool passThrough(uint path, inout uvec4 ids, Closure c, uvec4 hit, uvec4 extra, 
     vec4 radiance = uintBitsToFloat(loadPath(kChunkRadiance, path));
     storePathF(kChunkRadiance, path, vec4(radiance.rgb, 0.0));
   }
-  storePathF(kChunkThroughput, path, vec4(throughput, bsdfPdf));
-  storePath(kChunkRayOrigin, path, uvec4(floatBitsToUint(origin), extra.x));
-  storePath(kChunkHitDistance, path, uvec4(extra.x, hit.x, hit.y, extra.w));
-  storePath(kChunkIds, path, uvec4(ids.xyz, ids.w + (1u << kPassShift)));
-  pushExtensionRay(path);
   return true;
 }
 
-// Entering or leaving a transmissive body. False where no more bodies fit.
-bool crossBoundary(inout uvec4 mediaA, inout uvec4 mediaB, ShadingPoint sp, Closure c, bool entering) {
-  uvec4 material = texelFetch(bindingRecords, int(sp.binding) + 1);
-  if (entering) return mediumEnter(mediaA, mediaB, Medium(c.interiorExtinction, material.y, material.w));
-  mediumLeave(mediaA, mediaB, material.y);
-  return true;
-}
-
-// Beer-Lambert on the way to the light sample, as the logic kernel applies it to extension rays: by the medium on the
-// light's side of the surface. Lights at infinity are seen from open bodies without loss, there as here.
-vec3 lightExtinction(uint path, ShadingPoint sp, Closure c, vec4 light) {
-  bool front = dot(sp.wo, sp.normalGeometric) >= 0.0;
-  bool crosses = (dot(light.xyz, sp.normalGeometric) >= 0.0) != front;
-  uvec4 mediaA = loadPath(kChunkMediaA, path), mediaB = loadPath(kChunkMediaB, path);
-  if (kHasTransmission && crosses) crossBoundary(mediaA, mediaB, sp, c, front);
-  vec3 extinction = mediumExtinction(mediaA, mediaB);
-  return abs(light.w) < 1e29 ? exp(-extinction * abs(light.w)) : vec3(1.0);
-}
-
-// The light sample, weighed: casts a shadow ray if it is worth one. `value`: closure towards the light, and its pdf.
-void castShadowRay(uint path, inout uvec4 ids, ShadingPoint sp, vec3 error, uvec4 hit, vec3 throughput, vec4 light,
-                   vec4 lightRadiance, uint item, vec4 value) {
-  if (!(lightRadiance.a > 0.0)) return;
-  bool shadowless = light.w < 0.0;
-  float weight = shadowless ? 1.0 : powerHeuristic(lightRadiance.a, value.a);
-  vec3 contribution = throughput * value.rgb * lightRadiance.rgb * (weight / lightRadiance.a);
-  if (!(max(contribution.r, max(contribution.g, contribution.b)) > 0.0)) return;
-  bool triangle = texelFetch(lightItems, int(item)).y != kNoLight;
-  vec3 from = offsetRayOrigin(sp.positionWorld, error, sp.normalGeometric, light.xyz);
-  // An emissive triangle ends the shadow ray just before it; analytic lights never block. The ray is aimed from where it
-  // starts: along the old direction it would meet a triangle close to the surface's plane too early.
-  if (triangle && !shadowless) {
-    vec3 toLight = sp.positionWorld + light.xyz * light.w - from;
-    float distance = length(toLight);
-    if (distance > 0.0) light.xyz = toLight / distance;
-    light.w = distance * (1.0 - 1e-4);
+// A body's boundary: the media stack beyond it, and the indices on both sides. Only what refracts has one.
+struct Boundary {
+  uvec4 beyond;   // the stack once the path has crossed
+  bool fits;      // false: entering, and the stack is full
+  bool isThere;   // false: another body of higher priority, or one entered later, fills both sides
+};
+Boundary boundaryMake(uvec4 stack, uint entry, bool entering, inout ShadingPoint sp) {
+  Boundary b;
+  b.beyond = stack;
+  b.fits = true;
+  // Of the same material no other body counts: a row of panes, each entered and never left, looks as it should.
+  uint outside = mediumTop(stack, entry);
+  if (entering) {
+    b.fits = mediumEnter(b.beyond, entry);
+    b.isThere = mediumPriority(entry) >= mediumPriority(outside);
+  } else {
+    uint inside = mediumTop(stack, 0u);
+    mediumLeave(b.beyond, entry);
+    // What was never entered (the camera stands inside) is left all the same.
+    bool known = any(equal(stack, uvec4(entry)));
+    b.isThere = !known || inside == entry;
   }
-  storePathF(kChunkShadowOrigin, path, vec4(from, 0.0));
-  storePathF(kChunkLightSample, path, light);
-  storePath(kChunkShadowContribution, path, uvec4(floatBitsToUint(contribution), triangle ? item : kNoLight));
-  storePath(kChunkShadowHit, path, hit);  // to be skipped
-  ids.w |= kFlagShadow;
-  pushShadowRay(path);
+  sp.exteriorIor = mediumIor(outside);
+  return b;
 }
 
 void main() {
@@ -136,6 +122,7 @@ void main() {
   uvec4 extra = loadPath(kChunkHitDistance, path);
   vec4 throughputPdf = uintBitsToFloat(loadPath(kChunkThroughput, path));
   uvec4 coneBits = loadPath(kChunkCone, path);
+  uvec4 medium = loadPath(kChunkMedium, path);
   float spread = uintBitsToFloat(coneBits.x);
   float t = uintBitsToFloat(extra.x);
   uint bounce = pathBounce(ids.w);
@@ -143,9 +130,27 @@ void main() {
   float coneWidth = uintBitsToFloat(extra.w) + spread * t;
 
   ShadingPoint sp = shadingPointMake(hit.x, hit.y, uintBitsToFloat(hit.zw), wo, coneWidth, uintBitsToFloat(coneBits.y));
+  bool front = sp.frontFacing;
+  Boundary boundary;
+  if (kHasTransmission) {
+    uint priority = texelFetch(bindingRecords, int(sp.binding) + 1).w;
+    boundary = boundaryMake(loadPath(kChunkMediaStack, path), mediumEntry(sp.parameterBase, priority), front, sp);
+    if (!boundary.isThere) {
+      storePath(kChunkMediaStack, path, boundary.beyond);
+      if (!boundary.fits) reportError(kErrorMediaStack);
+      passOn(path, ids, hit, extra, origin, throughput, throughputPdf.a);
+      return;
+    }
+  }
   Closure c;
   closureMake(sp, c);
-  if (kHasOpacity && passThrough(path, ids, c, hit, extra, origin, throughput, throughputPdf.a)) return;
+  if (kHasOpacity && passThrough(path, ids, c, throughput)) {
+    // Colours were filtered, and the choice of the flight's channel follows them: a new flight from here.
+    float flight = t + mediumFlight(medium, throughput, samplePass(ids.z ^ 0x3c6ef372u, ids.y, bounce, pathPasses(ids.w)));
+    if (mediumScatters(medium)) storePathF(kChunkRayDirection, path, vec4(-wo, flight));
+    passOn(path, ids, hit, extra, origin, throughput, throughputPdf.a);
+    return;
+  }
 
   if ((ids.w & kFlagAovWritten) == 0u) {
     filmFirstHit(ids, sp, c);
@@ -155,7 +160,7 @@ void main() {
     vec4 radiance = uintBitsToFloat(loadPath(kChunkRadiance, path));
     storePathF(kChunkRadiance, path, contribute(radiance, throughput * surfaceEmission(sp, c, throughputPdf.a, t), coneBits.w, kNoLightGroup));
   }
-  ids.w &= ~((0xffu << kPassShift) | (0xffu << kShadowPassShift));
+  ids.w &= ~((0xffu << kPassShift) | (0xffu << kShadowPassShift) | kFlagMediumLight);
   if (bounce >= frame.maxBounces) {
     storePath(kChunkIds, path, uvec4(ids.xyz, ids.w | kFlagEnd));
     return;
@@ -167,38 +172,73 @@ void main() {
 
   // Both directions through one evaluation site: compile time follows the sites, not the trips.
   vec4 sampled = vec4(0.0), lit = vec4(0.0);
+  vec3 sampledBelow = vec3(0.0);
   [[dont_unroll]] for (int i = 0; i < 2; ++i) {
     vec3 w = i == 0 ? wi : light.xyz;
+    vec3 below = vec3(0.0);  // what of it goes on a random walk
     // The shading normal must not move light through the surface: both normals have to agree on the side of wi.
-    vec4 value = closureEval(c, wo, w);
-    if (!(dot(w, sp.normalGeometric) * dot(w, sp.normalWorld) > 0.0)) value = vec4(0.0);
-    if (i == 0) sampled = value; else lit = value;
+    vec4 value = closureEval(c, wo, w, below);
+    if (!(dot(w, sp.normalGeometric) * dot(w, sp.normalWorld) > 0.0)) { value = vec4(0.0); below = vec3(0.0); }
+    if (i == 0) { sampled = value; sampledBelow = below; } else lit = value - vec4(below, 0.0);
   }
 
+  // The medium behind a boundary that is crossed. Its own body fills it on the way in, whatever else is there.
+  uvec4 beyond = medium;
+  if (kHasTransmission) {
+    uvec4 left = mediumOf(mediumTop(boundary.beyond, 0u));
+    beyond = front ? (boundary.fits ? packMedium(c.interior, 0u) : medium) : left;
+  }
   vec3 error = surfacePointError(sp.instance, gCorner0, gCorner1, gCorner2, sp.positionWorld);
-  lit.rgb *= lightExtinction(path, sp, c, light);
-  castShadowRay(path, ids, sp, error, hit, throughput, light, lightRadiance, coneBits.z, lit);
+  bool litBeyond = (dot(light.xyz, sp.normalGeometric) >= 0.0) != front;
+  lit.rgb *= mediumTransmittance(kHasTransmission && litBeyond ? beyond : medium, abs(light.w));
+  castShadowRay(path, ids, sp.positionWorld, offsetRayOrigin(sp.positionWorld, error, sp.normalGeometric, light.xyz), hit, throughput,
+                light, lightRadiance, coneBits.z, lit);
+  bool transmitted = (dot(wi, sp.normalGeometric) >= 0.0) != front;
+  bool walks = false;
+  if (kHasSubsurface && transmitted) {
+    // Which of the lobes took the direction decides where it leads to; in proportion to what they let through.
+    float share = bsdfMean(sampledBelow) / max(bsdfMean(sampled.rgb), 1e-20);
+    walks = samplePass(ids.z ^ 0xbb67ae85u, ids.y, bounce, 0u) < share;
+    if (walks) {
+      SubsurfaceLobe lobe = closureWalk(c, samplePass(ids.z ^ 0xa54ff53au, ids.y, bounce, 0u), sampledBelow);
+      Medium inside = subsurfaceMedium(lobe.color, lobe.radius, lobe.anisotropy, 32.0 * max(error.x, max(error.y, error.z)));
+      beyond = packMedium(inside, hit.x & 0xffffu);
+      sampled.rgb = sampledBelow / (max(lobe.color, vec3(1e-6)) * max(share, 1e-6));  // the colour comes from the walk
+      if (!mediumScatters(beyond)) sampled = vec4(0.0);
+    } else {
+      sampled.rgb = (sampled.rgb - sampledBelow) / max(1.0 - share, 1e-6);
+    }
+  }
   if (!(sampled.a > 0.0) || !(max(sampled.r, max(sampled.g, sampled.b)) > 0.0)) {
     storePath(kChunkIds, path, uvec4(ids.xyz, ids.w | kFlagEnd));
     return;
   }
-  bool front = dot(wo, sp.normalGeometric) >= 0.0;
-  bool transmitted = (dot(wi, sp.normalGeometric) >= 0.0) != front;
   uint events = coneBits.w | (transmitted ? kEventTransmission : kEventReflection);
-  if (kHasTransmission && transmitted) {
-    uvec4 mediaA = loadPath(kChunkMediaA, path), mediaB = loadPath(kChunkMediaB, path);
-    if (!crossBoundary(mediaA, mediaB, sp, c, front)) reportError(kErrorMediaStack);
-    storePath(kChunkMediaA, path, mediaA);
-    storePath(kChunkMediaB, path, mediaB);
+  bool enters = walks;
+  if (kHasTransmission && transmitted && !walks) {
+    if (!boundary.fits) reportError(kErrorMediaStack);
+    storePath(kChunkMediaStack, path, boundary.beyond);
+    enters = true;
+  }
+  if (enters) {
+    medium = beyond;
+    storePath(kChunkMedium, path, medium);
+    storePath(kChunkWalk, path, uvec4(0u));
   }
 
+  // Bodies that scatter: no farther than the next event.
+  throughput *= sampled.rgb / sampled.a;
+  float u = kHasTransmission || kHasSubsurface ? sample1D(ids.z, ids.y, mediumPair(bounce, 0u, kMediumFlight))
+                                               : samplePass(ids.z ^ 0x6a09e667u, ids.y, bounce, 0u);
+  float flight = mediumFlight(medium, throughput, u);
   storePathF(kChunkRayOrigin, path, vec4(offsetRayOrigin(sp.positionWorld, error, sp.normalGeometric, wi), 0.0));
-  storePathF(kChunkRayDirection, path, vec4(wi, 3.4e38));
+  storePathF(kChunkRayDirection, path, vec4(wi, mediumScatters(medium) ? flight : 3.4e38));
   // A planar surface cannot be hit again by a ray that leaves it: named, it is skipped whatever rounding says.
   storePath(kChunkHitDistance, path, uvec4(0u, hit.x, hit.y, floatBitsToUint(coneWidth)));
-  storePathF(kChunkThroughput, path, vec4(throughput * sampled.rgb / sampled.a, sampled.a));
+  storePathF(kChunkThroughput, path, vec4(throughput, sampled.a));
   // A rough bounce widens the cone: about the angle of the solid angle 1/pdf, bounded so that textures never turn to mush.
   storePath(kChunkCone, path, uvec4(floatBitsToUint(min(spread + 0.125 * inversesqrt(sampled.a), 0.25)), coneBits.yz, events));
-  storePath(kChunkIds, path, uvec4(ids.xyz, ids.w + (1u << kBounceShift)));
+  // A walk is one bounce, counted where it leaves.
+  storePath(kChunkIds, path, uvec4(ids.xyz, walks ? ids.w | kFlagSubsurface : ids.w + (1u << kBounceShift)));
   pushExtensionRay(path);
 }

@@ -7,6 +7,7 @@
 #include "lib/bindings.glsl"
 #include "lib/path_state.glsl"
 #include "lib/queue.glsl"
+#include "lib/traversal_hooks.glsl"  // before the first stage that reaches lib/bvh_fetch.glsl, which asks it for the root
 
 #define main stageLogic
 #include "logic.comp"
@@ -17,8 +18,17 @@
 #define main stageEscape
 #include "escape.comp"
 #undef main
+#define main stageMediumScatter
+#include "medium_scatter.comp"
+#undef main
+#define main stageSubsurfaceWalk
+#include "subsurface_walk.comp"
+#undef main
 #define main stageNewPath
 #include "new_path.comp"
+#undef main
+#define main stageSubsurfaceExit
+#include "subsurface_exit.comp"
 #undef main
 #define main stageExtensionRay
 #include "extension_ray.comp"

@@ -5,29 +5,19 @@
 #ifndef WAVEFRONT_MEGAKERNEL_QUEUE_GLSL
 #define WAVEFRONT_MEGAKERNEL_QUEUE_GLSL
 
-#define WAVEFRONT_QUEUE(Name, index, doc) + 1u
-const uint kQueueKinds = 0u
-#include "shared/queues.def"
-;
-#undef WAVEFRONT_QUEUE
-
 uint megaQueues = 0u;          // a bit per row of queues.def
 uint megaBucket = kNoBucket;
 uint megaItems[kQueueKinds];
 uint megaLoops = 0u;           // iterations of loops so far but those of rays, see megakernel/tail.glsl
 
-void pushQueue(uint queue) {
+void pushQueue(uint queue, uint path) {
   megaQueues |= 1u << queue;
   ++megaItems[queue];
 }
-void pushExtensionRay(uint path) { pushQueue(kQueueExtensionRay); }
-void pushShadowRay(uint path) { pushQueue(kQueueShadowRay); }
-void pushLightSample(uint path) { pushQueue(kQueueLightSample); }
-void pushEscape(uint path) { pushQueue(kQueueEscape); }
 
 void sendToBucket(uint path, uint key) { megaBucket = key; }
 
-bool queuePath(uint queue, uint items, out uint path) {
+bool queuePath(uint queue, out uint path) {
   path = gl_GlobalInvocationID.x;
   return (megaQueues & (1u << queue)) != 0u;
 }

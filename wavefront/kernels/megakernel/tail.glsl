@@ -8,7 +8,7 @@
 // Reads: the whole path state, the work that mega_turn hands out. Writes: path state, film, counters.
 // Runs after: mega_turn.
 
-const uint kFixedLoops = 48u;   // of a turn, an eighth: loops of constant length run side by side (sampler.glsl, geometry.glsl)
+const uint kFixedLoops = 64u;   // of a turn, an eighth: loops of constant length run side by side (sampler.glsl, geometry.glsl)
 const uint kSafeLoops = 8191u;
 
 uint loopsSoFar() { return megaLoops + 2u * traversalSteps; }
@@ -25,9 +25,12 @@ void main() {
     stageLogic();
     stageLightSample();
     stageEscape();
+    stageMediumScatter();
+    stageSubsurfaceWalk();
     stageNewPath();
     if ((megaState[kChunkIds].w & kPhaseMask) == kPhaseIdle) break;  // no work left
     megaMaterials();
+    stageSubsurfaceExit();
     stageExtensionRay();
     stageShadowRay();
     megaLoops += kFixedLoops + frame.infiniteLightCount;
