@@ -49,15 +49,17 @@ TEST(LinkMegakernel, EqualNamesStayApart) {
   };
   const char* const surface = R"(
 const bool kHasTransmission = false;
+const bool kHasSubsurface = true;
 const bool kHasOpacity = true;
 const bool kHasEmission = true;
 float helper(float x) { for (int i = 0; i < 3; ++i) x *= 2.0; return x; }
-struct Closure { vec3 opacity; vec3 emission; vec3 interiorExtinction; float value; };
+struct Closure { vec3 opacity; vec3 emission; Medium interior; float value; };
 void closureMake(ShadingPoint sp, out Closure c) {
-  c.opacity = vec3(0.5); c.emission = vec3(1.0); c.interiorExtinction = vec3(0.0); c.value = helper(1.0);
+  c.opacity = vec3(0.5); c.emission = vec3(1.0); c.interior = mediumAt(sp.parameterBase); c.value = helper(1.0);
 }
-vec4 closureEval(Closure c, vec3 wo, vec3 wi) { return vec4(c.value); }
+vec4 closureEval(Closure c, vec3 wo, vec3 wi, inout vec3 below) { return vec4(c.value); }
 vec3 closureSample(Closure c, vec3 wo, float uLobe, vec2 u) { return wo; }
+SubsurfaceLobe closureWalk(Closure c, float u, inout vec3 below) { return subsurfaceMake(vec3(0.0, 0.0, 1.0), below, vec3(1.0), 0.0); }
 vec3 closureAlbedo(Closure c, vec3 wo) { return vec3(c.value); }
 )";
   std::vector<std::shared_ptr<const KernelSource>> kernels;
