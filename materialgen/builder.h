@@ -135,6 +135,7 @@ class NodeEvaluator {
   Type OutputType() const;
   bool EvaluateOverride(Port* result);
   bool EvaluateTransmissionDepth(Port* result);
+  bool EvaluateLamaInterior(Port* result);
   bool EvaluateText(Port* result);
   bool EvaluateVdf(Port* result);
   bool AddVdf(Port* result, const Vdf& vdf);

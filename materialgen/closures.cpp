@@ -17,6 +17,8 @@ bool NodeEvaluator::EvaluateOverride(Port* result) {
   if (node_.owner->category == "standard_surface" && node_.name == "transmission_bsdf") {
     return EvaluateTransmissionDepth(result);
   }
+  const bool isLama = node_.owner->category == "LamaDielectric" || node_.owner->category == "LamaGeneralizedSchlick";
+  if (isLama && node_.name == "interior_vdf") return EvaluateLamaInterior(result);
   // Without extra roughness refraction is exactly as rough as reflection, so that the two can share their facets. (The
   // clamp that this leaves out is made again where alpha is.)
   if (node_.owner->category == "standard_surface" && node_.name == "transmission_roughness_clamped" &&

@@ -15,7 +15,7 @@ namespace materialgen {
 namespace {
 
 // Part of every key: raise it when the same network yields other source.
-constexpr const char* kGeneratorVersion = "8";
+constexpr const char* kGeneratorVersion = "9";
 
 // What bodies have at the start of their block (wavefront/kernels/lib/media.glsl).
 constexpr uint32_t kBodyTexels = 2;
@@ -31,18 +31,11 @@ class Emitter {
     std::vector<std::vector<Id>> entries = {surfaceRoots_, opacityRoots_, emissionRoots_};
     layout_ = LayOut(e_, entries, material_.closure.transmits ? kBodyTexels : 0);
     auto kernel = std::make_shared<KernelSource>();
-    kernel->primvars = layout_.primvars;
     for (const WeightedLobe& lobe : material_.closure.lobes) kernel->lobes.emplace_back(lobe.lobe->name);
     kernel->surface = SurfaceSource();
     if (hasOpacity_) kernel->opacity = PatternSource("opacity", "materialOpacity", opacity_, opacityRoots_);
     if (emission_ != kNone) kernel->emission = PatternSource("emission", "materialEmission", radiance_, emissionRoots_);
-    std::string all = kGeneratorVersion;
-    for (const std::string* text : {&kernel->surface, &kernel->opacity, &kernel->emission}) all += "\n---\n" + *text;
-    for (const std::string& primvar : kernel->primvars) all += "\n" + primvar;
-    kernel->key = HashOf(all);
-    CompiledMaterial result;
-    result.kernel = std::move(kernel);
-    FillBlock(&result);
+    CompiledMaterial result = Finish(kernel, {&kernel->surface, &kernel->opacity, &kernel->emission});
     if (material_.closure.transmits) FillBody(&result);
     result.scatters = result.scatters || material_.closure.hasSubsurface;
     result.mediumPriority = uint8_t(material_.priority);
@@ -54,9 +47,15 @@ class Emitter {
     const std::vector<Id> roots = {material_.displacement};
     layout_ = LayOut(e_, {roots}, 0);
     auto kernel = std::make_shared<KernelSource>();
-    kernel->primvars = layout_.primvars;
     kernel->displacement = PatternSource("displacement", "materialDisplacement", material_.displacement, roots);
-    std::string all = kGeneratorVersion + ("\n---\n" + kernel->displacement);
+    return Finish(kernel, {&kernel->displacement});
+  }
+
+  // The key, and the block of values.
+  CompiledMaterial Finish(std::shared_ptr<KernelSource> kernel, std::initializer_list<const std::string*> sources) const {
+    kernel->primvars = layout_.primvars;
+    std::string all = kGeneratorVersion;
+    for (const std::string* text : sources) all += "\n---\n" + *text;
     for (const std::string& primvar : kernel->primvars) all += "\n" + primvar;
     kernel->key = HashOf(all);
     CompiledMaterial result;

@@ -60,6 +60,22 @@ bool NodeEvaluator::EvaluateVdf(Port* result) {
   return false;
 }
 
+// Lama's interior as its own node definitions describe it: absorptionColor is what is left of white light after
+// absorptionRadius (1: a clear body), scatterColor the share of the extinction that is scattered. MaterialX's graphs feed
+// both colours to the coefficients as they are, which makes the default, a clear body, a dark one.
+bool NodeEvaluator::EvaluateLamaInterior(Port* result) {
+  const Id color = OwnerIn("absorptionColor"), radius = OwnerIn("absorptionRadius"), scatter = OwnerIn("scatterColor");
+  if (color == kNone || radius == kNone || scatter == kNone) return false;
+  const Id zero = e_.Number(0), one = e_.Number(1);
+  const Id left = e_.Arithmetic("clamp", {color, e_.Number(1e-4f), one});
+  const Id depth = e_.Arithmetic("multiply", {e_.Arithmetic("ln", {left}), e_.Number(-1)});
+  const Id extinction = e_.Arithmetic("divide", {depth, e_.Arithmetic("max", {radius, e_.Number(1e-6f)})});
+  const Id albedo = e_.Arithmetic("clamp", {scatter, zero, one});
+  const Id absorbed = e_.Arithmetic("multiply", {extinction, e_.Arithmetic("subtract", {one, albedo})});
+  const Id scattered = e_.Decide(albedo, 0) ? kNone : e_.Arithmetic("multiply", {extinction, albedo});
+  return AddVdf(result, {absorbed, scattered, OwnerIn("scatterAnisotropy")});
+}
+
 // Autodesk's standard_surface ("Transmission"): with a transmission_depth, transmission_color is what is left of white
 // light after that distance inside, and the interface itself tints nothing. transmission_scatter / depth is the
 // scattering part of that extinction; where it is more than the whole, as much grey absorption is added as makes all

@@ -4,29 +4,15 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <iostream>
 
-#include "materialgen/materialgen.h"
+#include "tests/materialgen/fixture.h"
 
 namespace materialgen {
 namespace {
 
-using Vector = std::array<float, 3>;
+using Vector = Color;
 
-Generator& SharedGenerator() {
-  static const std::unique_ptr<Generator> generator = Generator::Create(
-      HDWAVEFRONT_MATERIALX_LIBRARIES, [](const Message& m) { std::cerr << m.code << ": " << m.text << "\n"; });
-  return *generator;
-}
-
-struct Result {
-  CompiledMaterial material;
-  std::vector<Message> messages;
-  bool Has(const std::string& code) const {
-    return std::any_of(messages.begin(), messages.end(), [&](const Message& m) { return m.code == code; });
-  }
-  std::string source() const { return material.kernel ? material.kernel->displacement : ""; }
-};
+std::string Source(const Result& result) { return result.material.kernel ? result.material.kernel->displacement : ""; }
 
 Result Displacement(const MaterialNetwork& network) {
   Result result;
@@ -34,7 +20,7 @@ Result Displacement(const MaterialNetwork& network) {
       SharedGenerator().GenerateDisplacement(network, [&](const Message& m) { result.messages.push_back(m); });
   if (result.material.kernel) {
     std::string error;
-    EXPECT_FALSE(CompileGlsl(result.source(), "displacement", &error).empty()) << error << result.source();
+    EXPECT_FALSE(CompileGlsl(Source(result), "displacement", &error).empty()) << error << Source(result);
     EXPECT_TRUE(result.material.kernel->surface.empty());
   }
   return result;
@@ -98,7 +84,7 @@ TEST(Displacement, MixTakesNumbersAndVectors) {
   network.nodes.push_back({"/m/a", "ND_displacement_vector3", {{"displacement", Vector{1, 2, 3}}}});
   network.nodes.push_back({"/m/b", "ND_displacement_float", {{"displacement", 1.0f}}});
   network.connections = {{"/m/a", "out", "/m/d", "fg"}, {"/m/b", "out", "/m/d", "bg"}};
-  EXPECT_NE(Displacement(network).source().find("patternUvFrame"), std::string::npos);
+  EXPECT_NE(Source(Displacement(network)).find("patternUvFrame"), std::string::npos);
   network.connections.pop_back();
   EXPECT_TRUE(Displacement(network).material.kernel);
   network.connections.clear();
