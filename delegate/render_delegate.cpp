@@ -9,7 +9,9 @@
 #include "delegate/instancer_store.h"
 #include "delegate/light_store.h"
 #include "delegate/material_store.h"
+#include "delegate/photometric_profile.h"
 #include "delegate/prims/same.h"
+#include "wavefront/base/check.h"
 
 namespace delegate {
 namespace {
@@ -41,6 +43,15 @@ struct RenderDelegate::Impl {
     CameraParams params;
     TimeSamples<wavefront::Matrix4d> transforms{{0, {}}};
   };
+
+  // Light profiles are text: hosts know images only.
+  void LoadProfile(const TextureLoadRequest& request) {
+    auto profile = ReadPhotometricProfile(request.texture.resolvedPath);
+    auto texture = profile.ok() ? EmissionTexture(*profile) : wavefront::Result<wavefront::TextureData>(profile.error());
+    const wavefront::Status done = texture.ok() ? textures.Set(request.key, std::move(*texture))
+                                                : textures.SetMissing(request.key, texture.error().message);
+    WAVEFRONT_CHECK(done.ok(), "%s", done.error().message.c_str());
+  }
 
   wavefront::DiagnosticSink sink;
   std::unique_ptr<materialgen::Generator> generator;
@@ -174,7 +185,12 @@ void RenderDelegate::DestroyInstancer(const std::string& path) { impl_->instance
 std::vector<TextureLoadRequest> RenderDelegate::PendingTextures() {
   impl_->materials.Generate();
   impl_->lights.AcquireTextures();
-  return impl_->textures.Pending();
+  std::vector<TextureLoadRequest> forHost;
+  for (TextureLoadRequest& request : impl_->textures.Pending()) {
+    if (IsPhotometricProfile(request.texture.resolvedPath)) impl_->LoadProfile(request);
+    else forHost.push_back(std::move(request));
+  }
+  return forHost;
 }
 
 wavefront::Status RenderDelegate::SetTexture(uint32_t key, wavefront::TextureData data) {

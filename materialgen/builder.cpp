@@ -192,14 +192,17 @@ void Builder::SayIgnoredTransmission(const Entry& entry) {
     const auto* color = std::get_if<std::array<float, 3>>(&found->second);
     return color && *color != std::array<float, 3>{};
   };
-  if (!isSet("transmission")) return;
+  const std::string_view category = entry.definition->category;
+  if (!isSet(category == "open_pbr_surface" ? "transmission_weight" : "transmission")) return;
   const auto say = [&](const char* input, const char* text) {
     if (isSet(input)) Say(Severity::Warning, "material-unsupported-feature", entry.node->path, text);
   };
-  if (!isSet("transmission_depth")) {
+  if (category == "standard_surface" && !isSet("transmission_depth")) {
     say("transmission_scatter", "transmission_scatter is ignored: without a transmission_depth the body is clear");
   }
-  say("transmission_dispersion", "transmission_dispersion is ignored: all colours refract alike");
+  for (const char* input : {"transmission_dispersion", "transmission_dispersion_scale", "dispersion"}) {
+    say(input, "dispersion is ignored: all colours refract alike");
+  }
 }
 
 void Builder::BuildEntry(Entry* entry) {
@@ -215,7 +218,9 @@ void Builder::BuildEntry(Entry* entry) {
   }
   const bool isPreview = entry->definition->category == "UsdPreviewSurface";
   if (isPreview) SayUnconnectedDisplacement(*entry);
-  if (entry->definition->category == "standard_surface") SayIgnoredTransmission(*entry);
+  const std::string_view category = entry->definition->category;
+  if (category == "standard_surface" || category == "open_pbr_surface" || category == "gltf_pbr")
+    SayIgnoredTransmission(*entry);
   Node node;
   node.definition = entry->definition;
   for (const PortDefinition& input : entry->definition->inputs) node.inputs.push_back(NetworkInput(entry, input));

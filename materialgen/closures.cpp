@@ -233,8 +233,11 @@ bool NodeEvaluator::EvaluateEmission(Port* result) {
   const std::string_view category = node_.definition->category;
   if (category == "uniform_edf") return Number(result, In("color"));
   if (category == "measured_edf") {
-    Unsupported("measured_edf: the light profile is ignored");
-    return Number(result, In("color"));
+    const Id texture = TextureOf("file");
+    if (texture == kNone) return Number(result, In("color"));
+    const Id tangent = b_.GeometricProperty("Tworld").id;
+    const Id profile = e_.Make("light_profile", Type::Float, {In("normal"), tangent, texture});
+    return Number(result, e_.Arithmetic("multiply", {In("color"), profile}));
   }
   if (category == "conical_edf") {
     const Id inner = In("inner_angle"), outer = In("outer_angle"), normal = In("normal");

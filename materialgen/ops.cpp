@@ -149,6 +149,7 @@ const Op kOps[] = {
     {"artistic_extinction", "patternArtisticExtinction($0, $1)", ArtisticExtinction},
     {"schlick", "patternSchlick($0, $1, $2, sp.wo)"},
     {"cone", "patternCone($0, $1, $2, sp.wo)"},
+    {"light_profile", "patternLightProfile($0, $1, $2, sp.wo)"},
     // Never folded into a vector: that both components are one value lets the compiler drop what anisotropy needs.
     {"one_alpha", "vec2($0)"},
     {"relative_ior", "$0 / sp.exteriorIor", nullptr, nullptr, true},

@@ -62,8 +62,6 @@ TEST(MaterialGen, MaterialXTestSuiteCompiles) {
       const Result result = RunNetwork(network);
       ExpectCompiles(result.material, file.path().filename().string());
       for (const Message& m : result.messages) {
-        // What the random walk will take away; nothing else may be left out.
-        if (m.text.find("subsurface scattering is rendered as diffuse") != std::string::npos) continue;
         if (m.severity != Severity::Info)
           unsupported.insert(file.path().filename().string() + " " + m.code + ": " + m.text);
       }
@@ -71,7 +69,9 @@ TEST(MaterialGen, MaterialXTestSuiteCompiles) {
   }
   EXPECT_EQ(documents, 77u);
   EXPECT_EQ(surfaces, 120u);  // displacement.mtlx and lama_surface.mtlx have none
-  EXPECT_EQ(unsupported, std::set<std::string>());
+  // MaterialX's graph of OpenPBR does not read the dispersion that this document asks for.
+  EXPECT_EQ(unsupported, std::set<std::string>{"open_pbr_glass.mtlx material-unsupported-feature: dispersion is ignored: all "
+                                               "colours refract alike"});
 }
 
 // Every node of the library whose value is a number, its inputs varying. What is not supported is known here.

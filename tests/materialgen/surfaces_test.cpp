@@ -168,6 +168,16 @@ TEST(MaterialGen, TransmissionInputsThatNothingReadsAreSaid) {
   EXPECT_EQ(count({{"transmission", 1.0f}, {"transmission_depth", 2.0f}, {"transmission_dispersion", 20.0f}}), 1);
   EXPECT_EQ(count({{"transmission", 1.0f}, {"transmission_scatter", Color{0, 0, 0}}, {"transmission_depth", 0.0f}}), 0);
   EXPECT_EQ(count({{"transmission", 0.0f}, {"transmission_scatter", Color{1, 1, 1}}}), 0);
+  const auto dispersion = [](const char* node, const char* weight, const char* input, float amount) {
+    MaterialNetwork network = Preview({{weight, 1.0f}, {input, amount}});
+    network.nodes[0].identifier = node;
+    return RunNetwork(network).Has("material-unsupported-feature");
+  };
+  for (float amount : {0.0f, 0.5f}) {
+    EXPECT_EQ(dispersion("ND_open_pbr_surface_surfaceshader", "transmission_weight", "transmission_dispersion_scale", amount),
+              amount > 0);
+    EXPECT_EQ(dispersion("ND_gltf_pbr_surfaceshader", "transmission", "dispersion", amount), amount > 0);
+  }
 }
 
 }  // namespace

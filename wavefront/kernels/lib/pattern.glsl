@@ -171,6 +171,16 @@ float patternCone(vec3 n, float inner, float outer, vec3 wo) {
   return from < to ? smoothstep(from, to, cosine) : float(cosine >= to);
 }
 
+// MaterialX measured_edf: the profile (delegate/photometric_profile.h) towards wo; 1 where there is none. Horizontal 0 is
+// the tangent. Both sides emit alike, as they do without a profile.
+float patternLightProfile(vec3 n, vec3 tangent, uint textureId, vec3 wo) {
+  if (!textureExists(textureId)) return 1.0;
+  vec3 w = toLocal(frameFromNormalTangent(dot(n, wo) < 0.0 ? -n : n, tangent), wo);
+  // Texel centres stand at whole degrees around the normal and half degrees from it.
+  vec2 texel = degrees(vec2(atan(w.y, w.x), 2.0 * acos(clamp(w.z, -1.0, 1.0)))) + 0.5;
+  return textureRead(textureId, texel / vec2(360.0, 181.0), 0.0, kWrapRepeat, kWrapClamp, vec4(0.0)).r;
+}
+
 // How likely a lobe is sampled, before normalising: by what it reflects, and a little by its weight, so that a lobe
 // that reflects nothing towards this wo on average can still be sampled where it does.
 float closureImportance(vec3 weight, vec3 albedo) {

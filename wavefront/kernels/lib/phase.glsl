@@ -10,11 +10,14 @@ float phaseEval(float g, float cosine) {
   float d = max(1.0 + g * g - 2.0 * g * cosine, 1e-7);
   return 0.07957747154594767 * (1.0 - g * g) / (d * sqrt(d));
 }
-// Direction of travel after scattering (Witt 1977, "Multiple scattering in reflection nebulae", equation 19).
+// Direction of travel after scattering (Witt 1977, "Multiple scattering in reflection nebulae", equation 19, solved for
+// 1 - cosine, which narrow lobes need to more digits than the cosine has).
 vec3 phaseSample(float g, vec3 direction, vec2 u) {
-  float s = (1.0 - g * g) / (1.0 - g + 2.0 * g * u.x);
-  float cosine = abs(g) < 1e-3 ? 2.0 * u.x - 1.0 : clamp((1.0 + g * g - s * s) / (2.0 * g), -1.0, 1.0);
-  float sine = sqrt(max(0.0, 1.0 - cosine * cosine)), phi = 6.28318530718 * u.y;
-  return normalize(toWorld(frameFromNormal(direction), vec3(sine * cos(phi), sine * sin(phi), cosine)));
+  float k = abs(g), d = 1.0 - k + 2.0 * k * u.x;
+  float s = (1.0 - k * k) / d;
+  float off = clamp((1.0 - k) * (1.0 - u.x) * (s + 1.0 - k) / d, 0.0, 2.0);
+  float sine = sqrt(off * (2.0 - off)), phi = 6.28318530718 * u.y;
+  Frame f = frameFromNormal(g < 0.0 ? -direction : direction);
+  return normalize(toWorld(f, vec3(sine * cos(phi), sine * sin(phi), 1.0 - off)));
 }
 #endif
