@@ -105,6 +105,59 @@ def test_nodes_that_the_file_defines_are_replaced_by_their_graphs(looks):
     assert identifiers == {"ND_standard_surface_surfaceshader", "ND_multiply_color3FA"}
 
 
+UNITS = """<?xml version="1.0"?>
+<materialx version="1.39">
+  <standard_surface name="surface" type="surfaceshader">
+    <input name="subsurface_scale" type="float" value="3" unit="millimeter" unittype="distance"/>
+    <input name="transmission_depth" type="float" value="2"/>
+    <input name="thin_film_thickness" type="float" value="0.5" unit="furlong" unittype="distance"/>
+    <input name="base_color" type="color3" nodename="turned"/>
+  </standard_surface>
+  <tiledimage name="turned" type="color3">
+    <input name="texcoord" type="vector2" nodename="rotate"/>
+    <input name="realworldimagesize" type="vector2" value="1, 2" unit="inch"/>
+    <input name="realworldtilesize" type="vector2" nodename="tile"/>
+  </tiledimage>
+  <constant name="tile" type="vector2">
+    <input name="value" type="vector2" value="1, 1" unit="yard" unittype="distance"/>
+  </constant>
+  <rotate2d name="rotate" type="vector2">
+    <input name="amount" type="float" value="0.5" unit="radian" unittype="angle"/>
+  </rotate2d>
+  <dielectric_bsdf name="film" type="BSDF">
+    <input name="thinfilm_thickness" type="float" value="0.5" unit="micron" unittype="distance"/>
+  </dielectric_bsdf>
+  <surface name="filmed" type="surfaceshader">
+    <input name="bsdf" type="BSDF" nodename="film"/>
+  </surface>
+  <surfacematerial name="textured" type="material">
+    <input name="surfaceshader" type="surfaceshader" nodename="surface"/>
+  </surfacematerial>
+  <surfacematerial name="own_node" type="material">
+    <input name="surfaceshader" type="surfaceshader" nodename="filmed"/>
+  </surfacematerial>
+</materialx>
+"""
+
+
+@pytest.mark.parametrize("meters", [1.0, 0.01, 0.0254])
+def test_values_with_units_become_scene_units(looks, meters):
+    delegate, diagnostics = looks(UNITS, f"(\n    metersPerUnit = {meters}\n)\n{STAGE}")
+    assert [d.code for d in diagnostics] == ["mtlx-bad-unit"] and "furlong" in next(iter(diagnostics)).message
+
+    def parameters(material):
+        return {n["path"].rsplit("/", 1)[1]: n["parameters"] for n in delegate.told[material]["mtlx"]["nodes"]}
+
+    nodes = parameters("/world/looks/textured")
+    assert nodes["surface"]["subsurface_scale"] == pytest.approx(0.003 / meters)
+    assert nodes["surface"]["transmission_depth"] == 2 and nodes["surface"]["thin_film_thickness"] == 0.5
+    assert nodes["turned"]["realworldimagesize"] == pytest.approx((0.0254 / meters, 0.0508 / meters))
+    assert nodes["tile"]["value"] == pytest.approx((0.9144 / meters,) * 2)
+    assert nodes["rotate"]["amount"] == pytest.approx(28.6479, abs=1e-3)
+    # What a definition says in nanometres stays in them, whatever the scene's unit.
+    assert parameters("/world/looks/own_node")["film"]["thinfilm_thickness"] == pytest.approx(500)
+
+
 @pytest.mark.parametrize("document", [None, "", "<no xml", "<other/>"])
 def test_files_that_cannot_be_read_are_said(looks, document):
     delegate, diagnostics = looks(document, STAGE)

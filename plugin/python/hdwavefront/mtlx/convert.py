@@ -19,6 +19,7 @@ from pxr import Sdf, Tf
 
 from .document import Say, read_document
 from .looks import write_looks
+from .units import Units
 from .values import OPAQUE_TYPE, TYPES, usd_value
 
 MATERIALS = Sdf.Path("/MaterialX/Materials")
@@ -26,15 +27,18 @@ _TERMINALS = {"surfaceshader": "surface", "displacementshader": "displacement", 
 _SHADER_TYPES = _TERMINALS.keys() | {"lightshader"}
 
 
-def convert_file(path: str, say: Say = lambda code, text: None) -> Any:
-    """An anonymous Sdf.Layer with what a .mtlx file holds. Raises what the materialx package and resolvers raise."""
+def convert_file(path: str, say: Say = lambda code, text: None, meters_per_unit: float = 1.0) -> Any:
+    """An anonymous Sdf.Layer with what a .mtlx file holds, for stages of that metersPerUnit. Raises what the materialx
+    package and resolvers raise.
+    """
     document = read_document(path, say)
+    units = Units(document, document.getDataLibrary(), meters_per_unit)
     layer = Sdf.Layer.CreateAnonymous(os.path.basename(path) + ".usda")
     _prim(layer, Sdf.Path("/MaterialX"))
     _prim(layer, MATERIALS)
     materials = {}
     for node in document.getMaterialNodes():
-        writer = _MaterialWriter(layer, document, node, say)
+        writer = _MaterialWriter(layer, document, node, say, units)
         materials[node.getName()] = writer.write()
     _write_inherits(layer, document, materials, say)
     has_looks = write_looks(layer, document, materials, say)
@@ -77,11 +81,12 @@ def _write_inherits(layer: Any, document: Any, materials: dict[str, Any], say: S
 class _MaterialWriter:
     """One material, and copies of all nodes and graphs that it needs: stages may reference single materials."""
 
-    def __init__(self, layer: Any, document: Any, node: Any, say: Say) -> None:
+    def __init__(self, layer: Any, document: Any, node: Any, say: Say, units: Units) -> None:
         self._layer = layer
         self._document = document
         self._node = node
         self._say = say
+        self._units = units
         self._root = MATERIALS.AppendChild(usd_name(node))
         self._paths: dict[str, Any] = {}  # element's name path -> prim path, of what is written or pending
         self._pending: list[tuple[Any, Any]] = []
@@ -202,7 +207,12 @@ class _MaterialWriter:
                 where = element_input.getNamePath()
                 self._say("mtlx-bad-value", f"{where} has a value that is no {kind}: {text[:60]!r}; it is left out")
             return
-        attribute.default = value
+        factor = self._units.factor(element, element_input)
+        if factor is None or (factor != 1 and not kind.startswith(("float", "vector"))):
+            where, unit = element_input.getNamePath(), element_input.getUnit()
+            self._say("mtlx-bad-unit", f"{where} is a {kind} in {unit!r}, which is left as it is")
+            factor = 1
+        attribute.default = value if factor == 1 else value * factor
         if kind in ("filename", "color3", "color4"):
             self._color_space(attribute, element, element_input)
 

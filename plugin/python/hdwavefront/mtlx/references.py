@@ -14,7 +14,7 @@ import re
 import weakref
 from typing import Any
 
-from pxr import Sdf
+from pxr import Sdf, UsdGeom
 
 from ..errors import Diagnostics
 from .convert import convert_file
@@ -38,7 +38,7 @@ def replace_references(stage: Any, diagnostics: Diagnostics) -> None:
     if known is None:
         if not arcs:
             return
-        known = _REPLACEMENTS[stage] = _Replacements(stage.GetSessionLayer())
+        known = _REPLACEMENTS[stage] = _Replacements(stage)
     known.update(stage, arcs, diagnostics)
 
 
@@ -86,8 +86,9 @@ def _own_sublayers(stage: Any, diagnostics: Diagnostics) -> list[str]:
 class _Replacements:
     """What one stage has in place of its .mtlx files."""
 
-    def __init__(self, session: Any) -> None:
-        self._session = session
+    def __init__(self, stage: Any) -> None:
+        self._session = stage.GetSessionLayer()
+        self._meters_per_unit = UsdGeom.GetStageMetersPerUnit(stage)
         self._layers: dict[str, Any] = {}  # of files: a layer, or in words why there is none
         self._said: dict[str, list[tuple[str, str]]] = {}
         self._arcs: list[tuple[str, str]] = []
@@ -130,7 +131,7 @@ class _Replacements:
     def _layer_for(self, file: str) -> Any:
         if file not in self._layers:
             self._said[file] = []
-            self._layers[file] = _convert(file, self._said[file])
+            self._layers[file] = _convert(file, self._said[file], self._meters_per_unit)
         return self._layers[file]
 
     def _author(self, holder: _Holder, wanted: list[tuple[Any, Any]]) -> None:
@@ -146,9 +147,9 @@ class _Replacements:
                 spec.specializesList.appendedItems.append(source)
 
 
-def _convert(file: str, said: list[tuple[str, str]]) -> Any:
+def _convert(file: str, said: list[tuple[str, str]], meters_per_unit: float) -> Any:
     try:
-        return convert_file(file, lambda code, text: said.append((code, text)))
+        return convert_file(file, lambda code, text: said.append((code, text)), meters_per_unit)
     except ImportError:
         return "the materialx package is not installed (pip install materialx)"
     except Exception as error:  # whatever the file makes of the parser ends here
