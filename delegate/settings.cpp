@@ -165,6 +165,7 @@ void SettingValues::FillInto(wavefront::RenderSettings& settings) const {
   const auto real = [this](std::string_view token) { return static_cast<float>(std::get<double>(Get(token).value())); };
   settings.frame = real("frame");
   settings.time = real("time");
+  settings.textureMemory = static_cast<uint64_t>(Int("textureMemory")) << 20;
   settings.radianceClamp = real("radianceClamp");
   settings.cameraVisibleDome = Bool("domeLightCameraVisibility");
   settings.shadows = Bool("enableShadows");

@@ -59,7 +59,8 @@ std::vector<TextureLoadRequest> TextureTable::Pending() const {
 
 namespace {
 wavefront::Status Check(uint32_t key, const wavefront::TextureData& data) {
-  const size_t texelBytes = data.format == wavefront::TexelFormat::Rgba8Unorm ? 4 : 8;
+  const wavefront::TexelFormat format = data.format;
+  const size_t texelBytes = format == wavefront::TexelFormat::Rgba8Unorm ? 4 : format == wavefront::TexelFormat::Rgba32Float ? 16 : 8;
   if (data.width == 0 || data.height == 0 || data.texels.size() != size_t{data.width} * data.height * texelBytes)
     return wavefront::Error{"Texture " + std::to_string(key) + " has " + std::to_string(data.texels.size()) +
                             " bytes, which is not what " + std::to_string(data.width) + " x " +

@@ -171,9 +171,9 @@ const Op kOps[] = {
     {"to_object_point", "worldToObjectPoint(sp, $0 - sceneOrigin())"}, {"to_world_normal", "objectToWorldNormal(sp, $0)"},
     {"to_world_vector", "objectToWorldVector(sp, $0)"}, {"to_world_point", "(objectToWorldPoint(sp, $0) + sceneOrigin())"},
     {"normalmap", "patternNormalMap($0, $1, $2, $3, $4)"},
-    // texture, uv, footprint, outside, fallback; text: the wrap modes.
-    {"image", "patternImage($0, $1, $2, $t, $3, $4)"},
-    {"image_tiles", "patternTiles($0, $1, $2, $3)"},
+    // texture, uv, footprint, outside, fallback; text: the filter, and for an image the wrap modes.
+    {"image", "patternImage$t, $0, $1, $2, $3, $4)"},
+    {"image_tiles", "patternTiles$t($0, $1, $2, $3)"},
     // texture, uv, footprint, amounts, ranges, ...: see lib/hextile.glsl.
     {"hextiles", "hexTiledImage($0, $1, $2, $3, $4, $5, $6, $7)"},
     {"hextiled_normal", "hexTiledNormal($0, $1, $2, $3, $4, $5, $6, $7, $8, $9)"},

@@ -90,11 +90,14 @@ bool NodeEvaluator::EvaluateImage(Port* result) {
   const Id texture = TextureOf("file");
   if (texture == kNone) return Number(result, fallback);
   const bool isUsd = b_.current_ && b_.current_->identifier == "UsdUVTexture";
-  if (IsTilePattern(*e_.AssetOf(In("file")))) {
-    Id width = Footprint(uv);
-    if (width == kNone) width = e_.Number(0);
-    return Number(result, e_.Make("image_tiles", Type::Vec4, {texture, uv, width, e_.Convert(fallback, Type::Vec4)}));
-  }
+  Id footprint = Footprint(uv);
+  if (footprint == kNone) footprint = e_.Number(0);
+  const Id whole = e_.Convert(fallback, Type::Vec4);
+  std::string filter = "linear";
+  InText("filtertype", &filter);
+  filter = filter == "closest" ? "Closest" : filter == "cubic" ? "Cubic" : "";
+  if (IsTilePattern(*e_.AssetOf(In("file"))))
+    return Number(result, e_.Make("image_tiles", Type::Vec4, {texture, uv, footprint, whole}, filter));
   // Numbers of WrapMode in wavefront/scene.h.
   bool isConstant = false;
   const auto wrap = [&](std::string_view input, const char* usd) {
@@ -109,11 +112,8 @@ bool NodeEvaluator::EvaluateImage(Port* result) {
     return mode == "black" || mode == "constant" ? "3u" : "0u";
   };
   const std::string modes = std::string(wrap("uaddressmode", "wrapS")) + ", " + wrap("vaddressmode", "wrapT");
-  Id footprint = Footprint(uv);
-  if (footprint == kNone) footprint = e_.Number(0);
-  const Id whole = e_.Convert(fallback, Type::Vec4);
   const Id outside = isConstant ? whole : e_.Literal(Type::Vec4, {});
-  const Id texel = e_.Make("image", Type::Vec4, {texture, uv, footprint, outside, whole}, modes);
+  const Id texel = e_.Make("image", Type::Vec4, {texture, uv, footprint, outside, whole}, filter + "(" + modes);
   return Number(result, texel);
 }
 

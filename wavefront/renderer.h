@@ -75,6 +75,7 @@ struct RenderSettings {
   uint32_t samplesPerBatch = 0;            // samples in flight together; 0: what suits the pool
   uint32_t bandRows = 0;                   // rows of the image held on the device at a time; 0: as many as fit
   float frame = 1, time = 0;               // frame number and seconds, for the nodes of materials that ask
+  uint64_t textureMemory = 0;              // bytes that texels may take; 0: what the device offers
   float radianceClamp = 0;                 // 0: only the film's stated limit
   bool cameraVisibleDome = true;           // dome lights seen by camera rays
   bool shadows = true;

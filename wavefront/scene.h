@@ -141,7 +141,7 @@ struct MaterialData {
   bool scatters = false;                 // light scatters below its surfaces or inside of its bodies
 };
 
-enum class TexelFormat : uint32_t { Rgba8Unorm, Rgba16Float };
+enum class TexelFormat : uint32_t { Rgba8Unorm, Rgba16Float, Rgba16Unorm, Rgba32Float };
 enum class WrapMode : uint32_t { Repeat, Clamp, Mirror, Black };
 
 // A decoded image: level 0 only, row 0 = the *bottom* row (v = 0), RGBA interleaved, rendering colour
@@ -150,7 +150,7 @@ struct TextureData {
   std::string name;                      // file, for diagnostics and statistics
   uint32_t width = 0, height = 0;
   TexelFormat format = TexelFormat::Rgba8Unorm;
-  std::vector<uint8_t> texels;           // width * height * (4 or 8) bytes
+  std::vector<uint8_t> texels;           // width * height * (4, 8 or 16) bytes
 };
 
 // Tiles of one image: those of UDIM numbers 1001 to 9999 (1001 + column + 10 * row), each a texture of its own.

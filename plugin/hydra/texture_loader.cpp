@@ -10,6 +10,7 @@
 #include <array>
 #include <cmath>
 #include <cstring>
+#include <limits>
 
 namespace hydra {
 namespace {
@@ -51,6 +52,11 @@ float Decode(Encoding encoding, float v) {
   }
 }
 
+float Finite(float v) {
+  constexpr float kMax = std::numeric_limits<float>::max();
+  return std::isnan(v) ? 0 : std::clamp(v, -kMax, kMax);
+}
+
 uint16_t ClippedHalf(float v) {
   if (std::isnan(v)) v = 0;
   return GfHalf(std::clamp(v, -kHalfMax, kHalfMax)).bits();
@@ -78,6 +84,11 @@ class PixelReader {
       case HioTypeDouble: return static_cast<float>(At<double>(i));
       default: return 0;
     }
+  }
+
+  template <typename T>
+  T As(size_t i) const {
+    return At<T>(i);
   }
 
  private:
@@ -108,6 +119,17 @@ void Expand(int channels, Out* rgba, Out one, Source source) {
   rgba[3] = channels == 4 ? source(3) : channels == 2 ? source(1) : one;
 }
 
+template <typename Out, typename Source>
+std::vector<uint8_t> Texels(size_t count, int channels, Out one, Source source) {
+  std::vector<uint8_t> texels(count * 4 * sizeof(Out));
+  for (size_t i = 0; i < count; ++i) {
+    Out rgba[4];
+    Expand<Out>(channels, rgba, one, [&](int c) { return source(i, c); });
+    std::memcpy(&texels[i * sizeof rgba], rgba, sizeof rgba);
+  }
+  return texels;
+}
+
 wavefront::TextureData Convert(const std::string& name, const HioImage::StorageSpec& image,
                                const std::vector<uint8_t>& pixels, Encoding encoding) {
   wavefront::TextureData data;
@@ -125,22 +147,40 @@ wavefront::TextureData Convert(const std::string& name, const HioImage::StorageS
                       [&](int c) { return pixels[i * static_cast<size_t>(channels) + static_cast<size_t>(c)]; });
     return data;
   }
-  data.format = wavefront::TexelFormat::Rgba16Float;
-  data.texels.resize(count * 8);
-  std::array<uint16_t, 256> table;
-  for (size_t v = 0; v < 256; ++v) table[v] = ClippedHalf(Decode(encoding, static_cast<float>(v) / 255.0f));
+  const bool isFloat = type == HioTypeFloat || type == HioTypeDouble;
+  const bool isWhole = type == HioTypeUnsignedShort && encoding == Encoding::AsIs;
+  std::array<float, 256> table;
+  for (size_t v = 0; v < 256; ++v) table[v] = Decode(encoding, static_cast<float>(v) / 255.0f);
   const PixelReader components(pixels, type);
-  for (size_t i = 0; i < count; ++i) {
-    uint16_t rgba[4];
-    const size_t first = i * static_cast<size_t>(channels);
-    Expand<uint16_t>(channels, rgba, ClippedHalf(1), [&](int c) {
-      const bool isAlpha = c == 3 || (channels == 2 && c == 1);
-      const size_t at = first + static_cast<size_t>(c);
-      if (isAlpha) return ClippedHalf(components[at]);
-      return IsByte(type) ? table[pixels[at]] : ClippedHalf(Decode(encoding, components[at]));
+  const auto decoded = [&](size_t pixel, int c) {
+    const bool isAlpha = c == 3 || (channels == 2 && c == 1);
+    const size_t at = pixel * static_cast<size_t>(channels) + static_cast<size_t>(c);
+    if (isAlpha) return components[at];
+    return IsByte(type) ? table[pixels[at]] : Decode(encoding, components[at]);
+  };
+  if (isWhole) {
+    data.format = wavefront::TexelFormat::Rgba16Unorm;
+    data.texels = Texels<uint16_t>(count, channels, 65535, [&](size_t pixel, int c) {
+      return components.As<uint16_t>(pixel * static_cast<size_t>(channels) + static_cast<size_t>(c));
     });
-    std::memcpy(&data.texels[i * 8], rgba, 8);
+    return data;
   }
+  const auto half = [&](size_t pixel, int c) { return ClippedHalf(decoded(pixel, c)); };
+  // Floats that are all halfs, as those of RGBE files are, take half the memory and lose nothing.
+  bool isHalf = !isFloat;
+  if (isFloat) {
+    isHalf = true;
+    for (size_t i = 0; i < count && isHalf; ++i) {
+      for (int c = 0; c < std::min(channels, 4) && isHalf; ++c) {
+        GfHalf value;
+        value.setBits(half(i, c));
+        isHalf = static_cast<float>(value) == decoded(i, c);
+      }
+    }
+  }
+  data.format = isHalf ? wavefront::TexelFormat::Rgba16Float : wavefront::TexelFormat::Rgba32Float;
+  data.texels = isHalf ? Texels<uint16_t>(count, channels, ClippedHalf(1), half)
+                       : Texels<float>(count, channels, 1.0f, [&](size_t pixel, int c) { return Finite(decoded(pixel, c)); });
   return data;
 }
 

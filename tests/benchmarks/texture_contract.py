@@ -88,12 +88,12 @@ def bindings_of(way: Way, plain: int = 1) -> list[tuple[int, str, int]]:
     tables = [(RECORDS, "rgba32ui", 1), (TABLE, "r32ui", 1)]
     own = {
         "": [],
-        "pages.glsl": [*tables, (PAGES, "rg32ui", 1)],
+        "pages.glsl": [*tables, (PAGES, "rgba32ui", 1)],
         "pages_per_texel.glsl": [*tables, (BYTES, "rgba8", 1), (HALFS, "rgba16f", 1)],
-        "array_pages.glsl": [*tables, (PAGES, "rg32ui", 1), (BYTES, "image", 1), (HALFS, "image", 1)],
+        "array_pages.glsl": [*tables, (PAGES, "rgba32ui", 1), (BYTES, "image", 1), (HALFS, "image", 1)],
         "plain.glsl": [(PLAIN, "image", plain)],
         "plain_switch.glsl": [(PLAIN, "image", 8)],
-        "buffer.glsl": [*tables, (PAGES, "rg32ui", 1), (LINEAR, "rgba8", 1)],
+        "buffer.glsl": [*tables, (PAGES, "rgba32ui", 1), (LINEAR, "rgba8", 1)],
     }[way.source]
     return [(OUT, "storage", 1), (ITEMS, "rgba32f", 1), *own]
 
@@ -136,7 +136,7 @@ class Rig:
     def entries(self, way: Way, texture: int) -> list[tuple[int, int, str, int]]:
         tables = [(RECORDS, 0, "rgba32ui", self.records), (TABLE, 0, "r32ui", self.table)]
         if way.source == "pages.glsl":
-            return [*tables, (PAGES, 0, "rg32ui", self.pages)]
+            return [*tables, (PAGES, 0, "rgba32ui", self.pages)]
         if way.source == "pages_per_texel.glsl":
             records, table, texels = self.per_texel
             pools = (texels, self.zeros) if self.textures.texel_format == "rgba8" else (self.zeros, texels)
@@ -319,7 +319,7 @@ def print_limits(log: Any = print) -> None:
     log(f"  plain descriptors: at most {min(images, found['samplers a stage'])} textures in a kernel")
     pages = found["image array layers"] * layouts.ACROSS**2
     log(f"  array pages: {pages} pages in layers of {layouts.LAYER} x {layouts.LAYER}")
-    log(f"  texel-buffer pages: {found['texel buffer elements'] * 8 / 2**30:.0f} GiB of texels")
+    log(f"  texel-buffer pages: {found['texel buffer elements'] * 16 / 2**30:.0f} GiB of texels")
 
 
 def main() -> int:

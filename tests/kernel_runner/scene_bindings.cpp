@@ -32,6 +32,14 @@ nb::bytes ToBytes(const std::vector<T>& items) {
   return nb::bytes(reinterpret_cast<const char*>(items.data()), items.size() * sizeof(T));
 }
 
+TexelFormat FormatOf(const std::string& name) {
+  if (name == "rgba8") return TexelFormat::Rgba8Unorm;
+  if (name == "rgba16f") return TexelFormat::Rgba16Float;
+  if (name == "rgba16") return TexelFormat::Rgba16Unorm;
+  if (name == "rgba32f") return TexelFormat::Rgba32Float;
+  throw std::runtime_error("unknown texel format '" + name + "'");
+}
+
 nb::bytes StreamBytes(Stream& stream, uint64_t elementBytes) {
   std::vector<std::byte> bytes(stream.elements() * elementBytes);
   if (!bytes.empty()) Check(stream.Read(0, bytes));
@@ -84,12 +92,15 @@ LightData LightOf(const nb::dict& from) {
   return light;
 }
 
-// textures: (width, height, "rgba8" or "rgba16f", bytes), row 0 at the bottom; the index is the texture id.
-// tiles: sets of (UDIM number, texture id), whose ids follow those of the textures.
+// textures: (width, height, "rgba8", "rgba16f", "rgba16" or "rgba32f", bytes), row 0 at the bottom; the index is the texture id.
+// tiles: sets of (UDIM number, texture id), whose ids follow those of the textures. names: of textures, for diagnostics.
+// commits: (textures created by then, bytes that textures may take, 0: no limit), by commit. The first `gone` textures are
+// destroyed before the last one.
 // emissive: (instance, records, areas) as EmissiveTriangles. memoryBudget: bytes, 0: the device's.
 nb::dict SceneTables(const std::vector<nb::dict>& lights, const std::vector<std::tuple<uint32_t, uint32_t, std::string, nb::bytes>>& textures,
                      const std::vector<std::tuple<uint32_t, std::vector<uint32_t>, std::vector<float>>>& emissive, double sceneRadius,
-                     uint64_t memoryBudget, const std::vector<std::vector<std::pair<uint32_t, uint32_t>>>& tiles) {
+                     uint64_t memoryBudget, const std::vector<std::vector<std::pair<uint32_t, uint32_t>>>& tiles,
+                     const std::vector<std::string>& names, std::vector<std::pair<std::size_t, uint64_t>> commits, uint32_t gone) {
   vulkan::DeviceOptions options;
   options.memoryBudgetBytes = memoryBudget;
   auto device = vulkan::Device::Create(options);
@@ -98,23 +109,32 @@ nb::dict SceneTables(const std::vector<nb::dict>& lights, const std::vector<std:
   nb::list diagnostics;
   const DiagnosticSink sink = [&](const Diagnostic& d) { diagnostics.append(nb::make_tuple(d.code, d.location, d.message)); };
   TextureStore store(*device.value());
-  for (const auto& [width, height, format, bytes] : textures) {
-    TextureData data;
-    data.name = "texture " + std::to_string(store.count());
-    data.width = width;
-    data.height = height;
-    data.format = format == "rgba8" ? TexelFormat::Rgba8Unorm : TexelFormat::Rgba16Float;
-    const auto* first = reinterpret_cast<const uint8_t*>(bytes.c_str());
-    data.texels.assign(first, first + bytes.size());
-    store.Create(std::move(data));
+  std::size_t index = 0;
+  if (commits.empty()) commits.emplace_back(textures.size(), 0);
+  for (const auto& [count, limit] : commits) {
+    for (; index < count; ++index) {
+      const auto& [width, height, format, bytes] = textures.at(index);
+      TextureData data;
+      data.name = index < names.size() ? names[index] : "texture " + std::to_string(index);
+      data.width = width;
+      data.height = height;
+      data.format = FormatOf(format);
+      const auto* first = reinterpret_cast<const uint8_t*>(bytes.c_str());
+      data.texels.assign(first, first + bytes.size());
+      store.Create(std::move(data));
+    }
+    if (&limit == &commits.back().second) {
+      for (uint32_t id = 0; id < gone; ++id) store.Destroy(id);
+      for (const auto& set : tiles) {
+        std::vector<TextureTile> all;
+        for (const auto& [udim, id] : set) all.push_back({udim, id});
+        store.CreateTiles(std::move(all));
+      }
+    }
+    bool changed = false;
+    store.SetLimit(limit);
+    Check(store.Commit(sink, &changed));
   }
-  for (const auto& set : tiles) {
-    std::vector<TextureTile> all;
-    for (const auto& [udim, id] : set) all.push_back({udim, id});
-    store.CreateTiles(std::move(all));
-  }
-  bool changed = false;
-  Check(store.Commit(sink, &changed));
   std::vector<LightData> all;
   for (const nb::dict& light : lights) all.push_back(LightOf(light));
   std::vector<EmissiveTriangles> triangles;
@@ -140,6 +160,7 @@ nb::dict SceneTables(const std::vector<nb::dict>& lights, const std::vector<std:
   out["pageTable"] = StreamBytes(store.pageTable, 4);
   out["texturePages"] = StreamBytes(store.pages, layout::kPageBlockBytes);
   out["diagnostics"] = diagnostics;
+  out["poolBytes"] = store.pages.buffer()->size();
   return out;
 }
 
@@ -147,10 +168,11 @@ nb::dict SceneTables(const std::vector<nb::dict>& lights, const std::vector<std:
 
 void bindScene(nb::module_& module) {
   module.def("scene_tables", &SceneTables, nb::arg("lights"), nb::arg("textures"), nb::arg("emissive"), nb::arg("scene_radius"),
-             nb::arg("memory_budget") = 0, nb::arg("tiles") = std::vector<std::vector<std::pair<uint32_t, uint32_t>>>());
+             nb::arg("memory_budget") = 0, nb::arg("tiles") = std::vector<std::vector<std::pair<uint32_t, uint32_t>>>(),
+             nb::arg("names") = std::vector<std::string>(), nb::arg("commits") = std::vector<std::pair<std::size_t, uint64_t>>(), nb::arg("gone") = 0);
   module.def("interface_table", [] { return ToBytes(InterfaceTableTexels()); });
   module.def("halve_level", [](const nb::bytes& texels, uint32_t width, uint32_t height, const std::string& format) {
     const auto* first = reinterpret_cast<const uint8_t*>(texels.c_str());
-    return ToBytes(HalveLevel({first, first + texels.size()}, width, height, format == "rgba8" ? TexelFormat::Rgba8Unorm : TexelFormat::Rgba16Float));
+    return ToBytes(HalveLevel({first, first + texels.size()}, width, height, FormatOf(format)));
   });
 }

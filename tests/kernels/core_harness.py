@@ -35,7 +35,7 @@ def bindings() -> dict[str, tuple[int, str]]:
     for number, kind, name in re.findall(r"binding = (\d+)\) uniform (u?)textureBuffer (\w+);", text):
         single = name in ("indexStream", "primvarStream", "lightDistribution", "pageTable")
         texel = ("r32" if single else "rgba32") + ("ui" if kind else "f")
-        if name in ("texturePages", "lobeTable"):
+        if name == "lobeTable":
             texel = "rg32ui"
         found[name] = (int(number), texel)
     assert len(found) == len(re.findall(r"^layout\(set = 0", text, re.M)), "a binding that this pattern does not read"

@@ -14,8 +14,12 @@ MAIN = """void main() {
   if (i >= outputs.length()) return;
   vec4 a = inputs[i * IN], outside = inputs[i * IN + 2u];
   uvec4 b = floatBitsToUint(inputs[i * IN + 1u]);
-  outputs[i] = textureRead(b.x, a.xy, a.z, b.y, b.z, outside);
+  outputs[i] = READ(b.x, a.xy, a.z, b.y, b.z, outside);
 }"""
+LINEAR, CLOSEST, CUBIC = "textureRead", "textureReadClosest", "textureReadCubic"
+FORMATS = ("rgba8", "rgba16f", "rgba16", "rgba32f")
+# The half of a step near the largest value; values of halfs and floats are from -1 to 7.
+PRECISION = {"rgba8": 0.5 / 255, "rgba16f": 8 * 2.0**-12, "rgba16": 0.5 / 65535, "rgba32f": 8 * 2.0**-24}
 TABLES = ("textureRecords", "pageTable", "texturePages")
 OUTSIDE = np.array([0.25, -2.0, 3.0, 0.5], np.float32)
 # Sizes at the borders of pages and of the mip tail, odd ones, flat ones.
@@ -40,11 +44,19 @@ def image(width: int, height: int, texel_format: str, seed: int = 0) -> np.ndarr
     rng = np.random.default_rng(seed + width * 1000 + height)
     if texel_format == "rgba8":
         return rng.integers(0, 256, (height, width, 4)).astype(np.uint8)
-    return (rng.random((height, width, 4)) * 8 - 1).astype(np.float16)
+    if texel_format == "rgba16":
+        return rng.integers(0, 65536, (height, width, 4)).astype(np.uint16)
+    values = rng.random((height, width, 4)) * 8 - 1
+    return values.astype(np.float16 if texel_format == "rgba16f" else np.float32)
+
+
+def format_of(texels: np.ndarray) -> str:
+    return {"uint8": "rgba8", "uint16": "rgba16", "float16": "rgba16f", "float32": "rgba32f"}[texels.dtype.name]
 
 
 def as_float(texels: np.ndarray) -> np.ndarray:
-    return texels.astype(np.float64) / 255 if texels.dtype == np.uint8 else texels.astype(np.float64)
+    whole = texels.dtype.kind == "u"
+    return texels.astype(np.float64) / (np.iinfo(texels.dtype).max if whole else 1)
 
 
 def halve_axis(values: np.ndarray, axis: int) -> np.ndarray:
@@ -63,7 +75,7 @@ def pyramid(texels: np.ndarray) -> list[np.ndarray]:
     """All levels as floats: halved by C++, whose every step is compared with halve_axis in a test of its own."""
     from _kernel_runner import halve_level
 
-    kind = "rgba8" if texels.dtype == np.uint8 else "rgba16f"
+    kind = format_of(texels)
     levels = [texels]
     while levels[-1].shape[:2] != (1, 1):
         h, w = levels[-1].shape[:2]
@@ -113,21 +125,21 @@ def reference(levels: list[np.ndarray], uv, footprint, wrap_u: int, wrap_v: int)
     return out
 
 
-def read(runner, tables, texture: int, uv, footprint, wrap_u: int, wrap_v: int) -> np.ndarray:
+def read(runner, tables, texture: int, uv, footprint, wrap_u: int, wrap_v: int, by: str = LINEAR) -> np.ndarray:
     inputs = np.zeros((len(uv), 12), np.float32)
     inputs[:, :2] = uv
     inputs[:, 2] = footprint
     inputs[:, 4:7] = bits(np.array([texture, wrap_u, wrap_v], np.uint32))
     inputs[:, 8:] = OUTSIDE
-    return call(runner, ["lib/textures.glsl"], MAIN, inputs, 1, {k: tables[k] for k in TABLES})
+    return call(runner, ["lib/textures.glsl"], MAIN.replace("READ", by), inputs, 1, {k: tables[k] for k in TABLES})
 
 
 @pytest.fixture(scope="module")
 def store(kernel_runner):
-    """One store with every size in both formats: pages of one texture follow those of others."""
+    """One store with every size in all formats: pages of one texture follow those of others."""
     from _kernel_runner import scene_tables
 
-    images = [(w, h, f, image(w, h, f)) for w, h in SIZES for f in ("rgba8", "rgba16f")]
+    images = [(w, h, f, image(w, h, f)) for w, h in SIZES for f in FORMATS]
     tables = scene_tables([], [(w, h, f, t.tobytes()) for w, h, f, t in images], [], 1.0)
     assert tables["diagnostics"] == []
     return tables, images, [pyramid(t) for *_, t in images]
@@ -175,18 +187,20 @@ def test_every_level_of_every_size_is_where_the_table_says(kernel_runner, store)
             uv = np.stack([(x.ravel() + 0.5) / lw, (y.ravel() + 0.5) / lh], -1).astype(np.float32)
             got = read(kernel_runner, tables, index, uv, 2.0**level / max(w, h), CLAMP, CLAMP)
             assert np.abs(got - texels.reshape(-1, 4)).max() < 2e-4, (w, h, f, level)
+            got = read(kernel_runner, tables, index, uv, 2.0**level / max(w, h), CLAMP, CLAMP, CLOSEST)
+            assert np.abs(got - texels.reshape(-1, 4)).max() < (1e-6 if f != "rgba16" else 1e-7), (w, h, f, level)
 
 
 def test_halving_is_a_box_filter(kernel_runner):
     from _kernel_runner import halve_level
 
     for w, h in SIZES:
-        for f, step in (("rgba8", 1 / 255), ("rgba16f", 8 * 2.0**-11)):
+        for f, half_step in PRECISION.items():
             texels = image(w, h, f, 77)
             half = np.frombuffer(halve_level(texels.tobytes(), w, h, f), texels.dtype)
             half = as_float(half.reshape(max(1, h // 2), max(1, w // 2), 4))
             want = halve_axis(halve_axis(as_float(texels), 0), 1)
-            assert np.abs(half - want).max() < 0.5 * step + 1e-5, (w, h, f)
+            assert np.abs(half - want).max() < half_step + 1e-5, (w, h, f)
 
 
 def test_levels_blend(kernel_runner, store):
@@ -207,7 +221,7 @@ def test_the_smallest_level_is_the_mean(kernel_runner, store):
         got = read(kernel_runner, tables, index, np.full((1, 2), 0.3), 4.0, REPEAT, REPEAT)[0]
         mean = as_float(texels).mean((0, 1))
         levels = int(np.log2(max(w, h))) + 1
-        assert np.abs(got - mean).max() < levels * (0.5 / 255 if f == "rgba8" else 4 * 2.0**-11) + 1e-4, (w, h, f)
+        assert np.abs(got - mean).max() < levels * PRECISION[f] + 1e-5, (w, h, f)
 
 
 def test_halving_keeps_gradients_in_place(kernel_runner):
@@ -222,15 +236,80 @@ def test_halving_keeps_gradients_in_place(kernel_runner):
     assert np.abs(half[0, :, 0] - centres).max() < 1e-3
 
 
+def closest(level: np.ndarray, uv: np.ndarray, wrap_u: int, wrap_v: int) -> np.ndarray:
+    height, width = level.shape[:2]
+    at = np.floor(uv * np.array([width, height])).astype(int)
+    x, inside_x = wrapped(at[:, 0], width, wrap_u)
+    y, inside_y = wrapped(at[:, 1], height, wrap_v)
+    return np.where((inside_x & inside_y)[:, None], level[y, x], OUTSIDE.astype(float))
+
+
+def spline(f: np.ndarray) -> np.ndarray:
+    """Weights of texels -1 to 2 of a uniform cubic B-spline, by its basis functions."""
+    return np.stack([(1 - f) ** 3, 3 * f**3 - 6 * f**2 + 4, -3 * f**3 + 3 * f**2 + 3 * f + 1, f**3], -1) / 6
+
+
+def bicubic(level: np.ndarray, uv: np.ndarray, wrap_u: int, wrap_v: int) -> np.ndarray:
+    height, width = level.shape[:2]
+    p = uv * np.array([width, height]) - 0.5
+    base = np.floor(p).astype(int)
+    weights = spline(p - base)
+    total = np.zeros((len(uv), 4))
+    for i in range(4):
+        for j in range(4):
+            x, inside_x = wrapped(base[:, 0] + i - 1, width, wrap_u)
+            y, inside_y = wrapped(base[:, 1] + j - 1, height, wrap_v)
+            texel = np.where((inside_x & inside_y)[:, None], level[y, x], OUTSIDE.astype(float))
+            total += (weights[:, 0, i] * weights[:, 1, j])[:, None] * texel
+    return total
+
+
+@pytest.mark.parametrize("wrap", [(REPEAT, REPEAT), (CLAMP, MIRROR), (BLACK, CLAMP)])
+def test_closest_and_cubic_reads(kernel_runner, store, wrap):
+    tables, images, pyramids = store
+    for index, (w, h, f, _) in enumerate(images):
+        uv = uvs(w, h, 256, index)
+        # The middle of what float32 makes of a texel's border is not defined: those places are left out.
+        inner = uv[np.all(np.abs(np.mod(uv * np.array([w, h]) + 0.5, 1) - 0.5) > 1e-3, -1)]
+        got = read(kernel_runner, tables, index, inner, 0.0, *wrap, CLOSEST)
+        want = closest(pyramids[index][0], inner.astype(float), *wrap)
+        assert np.abs(got - want).max() < 1e-6, (w, h, f)
+        got = read(kernel_runner, tables, index, uv, 0.0, *wrap, CUBIC)
+        want = bicubic(pyramids[index][0], uv.astype(float), *wrap)
+        # As linear reads, four times: the places of the linear reads are rounded too.
+        assert np.abs(got - want).max() < 2e-5 + 20 * 3 * max(w, h) * 2.0**-23, (w, h, f)
+
+
+def test_closest_and_cubic_reads_of_coarser_levels(kernel_runner, store):
+    """Closest takes the level that is nearest in log2 of the footprint, cubic blends the two around it."""
+    tables, images, pyramids = store
+    rng = np.random.default_rng(4)
+    for index, (w, h, f, _) in enumerate(images):
+        if (w, h) not in ((65, 65), (257, 257), (100, 37)):
+            continue
+        for lod in (1.3, 1.7, 2.0):
+            uv = (np.floor(rng.random((128, 2)) * 4096) / 4096 + 1 / 8192).astype(np.float32)
+            footprint = 2.0**lod / max(w, h)
+            low = int(lod)
+            got = read(kernel_runner, tables, index, uv, footprint, REPEAT, REPEAT, CLOSEST)
+            level = pyramids[index][round(lod)]
+            edge = np.abs(np.mod(uv * level.shape[1::-1] + 0.5, 1) - 0.5).min(-1) < 1e-3
+            assert np.abs(got - closest(level, uv.astype(float), REPEAT, REPEAT))[~edge].max() < 1e-6, (w, h, f)
+            got = read(kernel_runner, tables, index, uv, footprint, REPEAT, REPEAT, CUBIC)
+            fine, coarse = (bicubic(pyramids[index][k], uv.astype(float), REPEAT, REPEAT) for k in (low, low + 1))
+            want = fine + (lod - low) * (coarse - fine)
+            assert np.abs(got - want).max() < 2e-4, (w, h, f, lod)
+
+
 @pytest.mark.parametrize("bad", [np.nan, np.inf, -np.inf, 1e30, -1e30])
 def test_wild_coordinates_give_finite_texels(kernel_runner, store, bad):
     tables, _, _ = store
     for wrap in (REPEAT, CLAMP, MIRROR, BLACK):
         uv = np.array([[bad, 0.5], [0.5, bad], [bad, bad]], np.float32)
-        got = read(kernel_runner, tables, 21, uv, 0.0, wrap, wrap)
+        got = read(kernel_runner, tables, 41, uv, 0.0, wrap, wrap)
         assert np.isfinite(got).all()
         assert (got >= -2.001).all() and (got <= 8.001).all()
-    got = read(kernel_runner, tables, 21, np.full((3, 2), 0.5), np.array([np.inf, -1.0, 0.0]), REPEAT, REPEAT)
+    got = read(kernel_runner, tables, 41, np.full((3, 2), 0.5), np.array([np.inf, -1.0, 0.0]), REPEAT, REPEAT)
     assert np.isfinite(got).all()
 
 
@@ -255,6 +334,76 @@ def test_textures_that_do_not_fit_are_halved_with_a_diagnostic(kernel_runner):
         got = read(kernel_runner, tables, index, uv, 0.0, CLAMP, CLAMP)
         x, y = (uv * 1024).astype(int).T
         assert np.abs(got - level[y, x]).max() < 1e-5
+
+
+BIG = {"a": image(512, 512, "rgba8", 1), "b": image(512, 512, "rgba8", 2), "c": image(256, 256, "rgba16f", 3)}
+BLOCK = 16912
+
+
+def limited(order: str, commits: list[tuple[int, int]], gone: int = 0):
+    """(size by name, what the diagnostics say, tables)"""
+    from _kernel_runner import scene_tables
+
+    kinds = [(BIG[n].shape[1], BIG[n].shape[0], "rgba16f" if n == "c" else "rgba8", BIG[n].tobytes()) for n in order]
+    tables = scene_tables([], kinds, [], 1.0, names=list(order), commits=commits, gone=gone)
+    said = [(where, int(text.split()[-1])) for _, where, text in tables["diagnostics"]]
+    sizes = np.frombuffer(tables["textureRecords"], np.uint32).reshape(-1, 4)[: len(order), :2].tolist()
+    return dict(zip(order, sizes, strict=True)), said, tables
+
+
+def same_texels(runner, a, b, textures) -> bool:
+    uv = np.random.default_rng(8).random((256, 2)).astype(np.float32)
+    reads = [[read(runner, t, k, uv, f, CLAMP, CLAMP) for k in textures for f in (0.0, 0.01, 0.1)] for t in (a, b)]
+    return bool((np.array(reads[0]) == np.array(reads[1])).all())
+
+
+def test_the_memory_for_textures_is_kept_whatever_the_order(kernel_runner):
+    """512 x 512 takes 86 pages of bytes (64 + 16 + 4 + 1 + 1), 256 x 256 22 of halfs, which are two blocks each."""
+    for order in ("abc", "cba", "bac"):
+        got, said, tables = limited(order, [(3, 216 * BLOCK)])
+        assert said == [] and tables["poolBytes"] == 216 * BLOCK
+        # One block short: the first of the two largest by name is halved, to 22 pages.
+        got, said, _ = limited(order, [(3, 215 * BLOCK)])
+        assert got == {"a": [256, 256], "b": [512, 512], "c": [256, 256]}
+        assert said == [("a", 256)]
+        # Then the other one, then halfs (44 blocks), then bytes again; each is said once.
+        got, said, tables = limited(order, [(3, 45 * BLOCK)])
+        assert got == {"a": [128, 128], "b": [256, 256], "c": [128, 128]}
+        assert said == [("a", 128), ("b", 256), ("c", 128)]
+        assert tables["poolBytes"] <= 45 * BLOCK
+
+
+def test_textures_on_the_device_make_room_for_those_that_come_later(kernel_runner):
+    """The same picture as if all had come at once, to the texel; the pool never grows past what it may take."""
+    limit = 100 * BLOCK
+    at_once, _, whole = limited("abc", [(3, limit)])
+    later, said, parts = limited("abc", [(2, 0), (3, limit)])
+    assert at_once == later == {"a": [256, 256], "b": [256, 256], "c": [256, 256]}
+    assert said == [("a", 256), ("b", 256)]
+    assert same_texels(kernel_runner, whole, parts, range(3))
+    assert parts["poolBytes"] <= limit
+    # A limit that an edit sets: what is held shrinks, and a limit taken back brings nothing back by itself.
+    edited, said, cut = limited("abc", [(3, 0), (3, limit), (3, 0)])
+    assert edited == at_once and said == [("a", 256), ("b", 256)]
+    assert same_texels(kernel_runner, whole, cut, range(3)) and cut["poolBytes"] <= limit
+
+
+def test_holes_in_the_pool_are_closed_before_it_passes_the_limit(kernel_runner):
+    """Texture a leaves 86 blocks free below b; c and the first d fit there, the second d only if b moves."""
+    BIG["d"] = image(256, 256, "rgba16f", 4)
+    got, said, tables = limited("abcdd", [(2, 0), (5, 220 * BLOCK)], gone=1)
+    assert said == [] and got["b"] == [512, 512]
+    assert tables["poolBytes"] <= 220 * BLOCK
+    _, _, fresh = limited("abcdd", [(5, 0)])
+    assert same_texels(kernel_runner, tables, fresh, range(1, 5))
+
+
+def test_more_small_textures_than_memory_say_so(kernel_runner):
+    from _kernel_runner import scene_tables
+
+    one = np.zeros((64, 64, 4), np.uint8).tobytes()
+    tables = scene_tables([], [(64, 64, "rgba8", one)] * 5, [], 1.0, commits=[(5, BLOCK)])
+    assert [d[0] for d in tables["diagnostics"]] == ["texture-memory"]
 
 
 TILES = """void main() {

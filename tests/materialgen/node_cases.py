@@ -156,6 +156,9 @@ def cases_of(definition: Any) -> list[Case]:
         found.append(Case(definition, inputs, f"varying {choices or ''}"))
         if any(isinstance(v, Varying) for v in inputs.values()):
             found.append(Case(definition, _authored(inputs), f"authored {choices or ''}"))
+    for kind in ("closest", "cubic") if category == "image" else ():
+        filtered = {"filtertype": kind, "uaddressmode": "mirror"}
+        found.append(Case(definition, _base(definition, filtered), f"varying {filtered}"))
     return found
 
 

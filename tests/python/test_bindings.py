@@ -155,7 +155,7 @@ def test_textures_are_asked_for_and_checked(delegate: Any) -> None:
     assert (request.resolved_path, request.location, request.is_color) == ("/a.png", "/dome", True)
     for pixels, error in [
         (np.zeros((2, 2, 3), np.uint8), ValueError),
-        (np.zeros((2, 2, 4), np.float32), TypeError),
+        (np.zeros((2, 2, 4), np.int16), TypeError),
         (np.zeros((0, 2, 4), np.uint8), ValueError),
         ("pixels", TypeError),
     ]:
@@ -163,14 +163,15 @@ def test_textures_are_asked_for_and_checked(delegate: Any) -> None:
             delegate.set_texture(request.key, pixels)
     with pytest.raises(ValueError):
         delegate.set_texture(12345, np.zeros((2, 2, 4), np.uint8))
-    top_down = np.zeros((64, 128, 4), np.float16)
-    top_down[:32] = 1  # the upper half of the sky
-    delegate.set_texture(request.key, top_down)
-    assert delegate.pending_textures() == []
     delegate.sync_camera("/camera", params={"focalLength": 5.0}, transform=np.eye(4))
-    render(delegate)
-    color = delegate.map("color")
-    assert color[2, SIZE // 2, 0] == pytest.approx(1, abs=0.05) and color[-3, SIZE // 2, 0] == 0
+    for kind, one in ((np.float16, 1), (np.float32, 1), (np.uint16, 65535), (np.uint8, 255)):
+        top_down = np.zeros((64, 128, 4), kind)
+        top_down[:32] = one  # the upper half of the sky
+        delegate.set_texture(request.key, top_down)
+        assert delegate.pending_textures() == []
+        render(delegate)
+        color = delegate.map("color")
+        assert color[2, SIZE // 2, 0] == pytest.approx(1, abs=0.05) and color[-3, SIZE // 2, 0] == 0
 
 
 def test_films_merge_to_the_bit(delegate: Any) -> None:

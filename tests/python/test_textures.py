@@ -85,13 +85,32 @@ def test_grey_fills_the_colours_and_a_second_channel_is_alpha(load, tmp_path, ch
 
 
 def test_sixteen_bits_and_floats_are_raw_unless_stated(load, tmp_path):
-    deep = gradient(3, np.uint16)
-    np.testing.assert_allclose(load(write(tmp_path / "a.png", deep))[..., :3], deep / 65535, atol=5e-4)
-    for name, dtype in (("a.exr", np.float32), ("b.exr", np.float16), ("c.tif", np.float32)):
+    for name, dtype, one in (
+        ("a.png", np.uint16, 65535),
+        ("a.exr", np.float32, 1),
+        ("b.exr", np.float16, 1),
+        ("c.tif", np.float32, 1),
+    ):
         pixels = gradient(3, dtype)
         got = load(write(tmp_path / name, pixels))
-        np.testing.assert_allclose(got[..., :3], pixels, rtol=1e-3)
-        assert (got[..., 3] == 1).all()
+        assert got.dtype == dtype and (got[..., :3] == pixels).all() and (got[..., 3] == one).all()
+
+
+def test_sixteen_bits_of_a_stated_space_become_halves(load, tmp_path):
+    deep = gradient(4, np.uint16)
+    got = load(write(tmp_path / "a.png", deep), "sRGB")
+    assert got.dtype == np.float16
+    np.testing.assert_allclose(got[..., :3], linear(deep[..., :3] / 257), atol=6e-4)
+
+
+@pytest.mark.parametrize("strip", [100, 1 << 20])
+def test_floats_that_are_all_halves_take_a_half_of_the_memory(load, tmp_path, monkeypatch, strip):
+    monkeypatch.setattr(textures, "_STRIP_BYTES", strip)
+    pixels = gradient(4, np.float16, (40, 3)).astype(np.float32)
+    assert load(write(tmp_path / "a.exr", pixels)).dtype == np.float16
+    pixels[39, 2, 1] = 1 + 2.0**-20  # one that is none, in the last row: what came before is not lost
+    got = load(write(tmp_path / "b.exr", pixels))
+    assert got.dtype == np.float32 and (got == pixels).all()
 
 
 def test_named_spaces_enter_the_rendering_space(load, tmp_path, colors):
@@ -133,10 +152,13 @@ def test_strips_join_without_a_seam(load, tmp_path, monkeypatch, tile, kind):
     np.testing.assert_allclose(got[..., :3], pixels, rtol=1e-3)
 
 
-def test_values_that_no_half_holds_are_clipped_and_said(load, tmp_path):
+def test_values_that_no_texel_holds_are_clipped_and_said(load, tmp_path):
     pixels = np.array([[[1e6, np.inf, np.nan]]], dtype=np.float32)
     got = load(write(tmp_path / "a.exr", pixels))
-    assert got[0, 0, :3].tolist() == [65504, 65504, 0] and load.diagnostics.codes() == {"texture-clipped"}
+    most = np.finfo(np.float32).max
+    assert got[0, 0, :3].tolist() == [1e6, most, 0] and load.diagnostics.codes() == {"texture-clipped"}
+    sun = np.array([[[1e6, 7, 0]]], dtype=np.float32)  # no half holds it, a float does
+    assert (load(write(tmp_path / "c.exr", sun))[..., :3] == sun).all() and not load.diagnostics.codes()
     got = load(write(tmp_path / "b.exr", pixels[..., 1:].astype(np.float16).repeat(2, axis=2)))
     assert np.isfinite(got).all() and load.diagnostics.codes() == {"texture-clipped"}
 
@@ -200,6 +222,22 @@ def test_files_inside_packages(load, tmp_path):
     assert UsdUtils.CreateNewUsdzPackage(str(tmp_path / "s.usda"), str(package))
     inside = next(n for n in zipfile.ZipFile(package).namelist() if n.endswith(".png"))
     assert (load(f"{package}[{inside}]", "raw") == load(image, "raw")).all()
+
+
+def test_tiles_inside_packages(tmp_path, colors):
+    images = {tile: write(tmp_path / f"t.{tile}.png", gradient(3) // k) for k, tile in ((1, 1001), (2, 1012))}
+    write(tmp_path / "t.1002.png", gradient(3))
+    package = tmp_path / "p.usdz"
+    with zipfile.ZipFile(package, "w") as archive:  # as usdz wants it: nothing compressed
+        archive.writestr("s.usda", "#usda 1.0\n")
+        for tile, image in images.items():
+            archive.write(image, f"maps/t.{tile}.png")
+        archive.write(tmp_path / "t.1002.png", "t.1002.png")  # in another folder
+    pattern = f"{package}[maps/t.<UDIM>.png]"
+    assert tile_files(pattern) == {tile: f"{package}[maps/t.{tile}.png]" for tile in images}
+    tiles = load_tiles(pattern, "raw", True, colors, Diagnostics(), "/m/t")
+    assert (tiles[1012][..., :3] == gradient(3) // 2).all()
+    assert tile_files(f"{package}[none/t.<UDIM>.png]") == tile_files(f"{tmp_path}/gone.usdz[t.<UDIM>.png]") == {}
 
 
 @pytest.mark.parametrize(

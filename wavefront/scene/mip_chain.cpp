@@ -31,13 +31,20 @@ Taps TapsOf(uint32_t target, uint32_t sourceSize, uint32_t targetSize) {
 
 void WriteTexel(uint8_t* out, const Float4& v, TexelFormat format) {
   const float c[4] = {v.x, v.y, v.z, v.w};
-  if (format == TexelFormat::Rgba8Unorm) {
-    for (int i = 0; i < 4; ++i) out[i] = static_cast<uint8_t>(std::lround(std::clamp(c[i], 0.0f, 1.0f) * 255.0f));
-  } else {
-    uint16_t h[4];
-    for (int i = 0; i < 4; ++i) h[i] = FloatToHalf(c[i]);
-    std::memcpy(out, h, 8);
+  uint16_t words[4];
+  switch (format) {
+    case TexelFormat::Rgba8Unorm:
+      for (int i = 0; i < 4; ++i) out[i] = static_cast<uint8_t>(std::lround(std::clamp(c[i], 0.0f, 1.0f) * 255.0f));
+      return;
+    case TexelFormat::Rgba32Float: std::memcpy(out, c, 16); return;
+    case TexelFormat::Rgba16Unorm:
+      for (int i = 0; i < 4; ++i) words[i] = static_cast<uint16_t>(std::lround(std::clamp(c[i], 0.0f, 1.0f) * 65535.0f));
+      break;
+    case TexelFormat::Rgba16Float:
+      for (int i = 0; i < 4; ++i) words[i] = FloatToHalf(c[i]);
+      break;
   }
+  std::memcpy(out, words, 8);
 }
 
 }  // namespace
@@ -47,8 +54,17 @@ Float4 ReadTexel(const uint8_t* texel, TexelFormat format) {
     constexpr float k = 1.0f / 255.0f;
     return {texel[0] * k, texel[1] * k, texel[2] * k, texel[3] * k};
   }
+  if (format == TexelFormat::Rgba32Float) {
+    float c[4];
+    std::memcpy(c, texel, 16);
+    return {c[0], c[1], c[2], c[3]};
+  }
   uint16_t h[4];
   std::memcpy(h, texel, 8);
+  if (format == TexelFormat::Rgba16Unorm) {
+    constexpr float k = 1.0f / 65535.0f;
+    return {h[0] * k, h[1] * k, h[2] * k, h[3] * k};
+  }
   return {HalfToFloat(h[0]), HalfToFloat(h[1]), HalfToFloat(h[2]), HalfToFloat(h[3])};
 }
 

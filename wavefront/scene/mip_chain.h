@@ -11,7 +11,9 @@
 
 namespace wavefront {
 
-constexpr uint32_t TexelBytes(TexelFormat format) { return format == TexelFormat::Rgba8Unorm ? 4 : 8; }
+constexpr uint32_t TexelBytes(TexelFormat format) {
+  return format == TexelFormat::Rgba8Unorm ? 4 : format == TexelFormat::Rgba32Float ? 16 : 8;
+}
 
 // `texels`: width * height texels. The result is max(1, width / 2) x max(1, height / 2).
 std::vector<uint8_t> HalveLevel(const std::vector<uint8_t>& texels, uint32_t width, uint32_t height, TexelFormat format);

@@ -412,7 +412,7 @@ Status SceneStore::Bind(vulkan::DescriptorSet& set) {
                          {11, &geometry.meshRecords, Format::Rgba32Uint}, {12, &geometry.indices, Format::R32Uint}, {13, &geometry.primvars, Format::R32Float},
                          {14, &bindings_, Format::Rgba32Uint}, {15, &materials.parameters, Format::Rgba32Float}, {16, &lightRecords_, Format::Rgba32Float},
                          {17, &lightItems_, Format::Rgba32Uint}, {18, &lightDistribution_, Format::R32Float}, {19, &textures.records, Format::Rgba32Uint},
-                         {20, &textures.pageTable, Format::R32Uint}, {21, &textures.pages, Format::Rg32Uint}, {22, &lobeTable_, Format::Rg32Uint}}) {
+                         {20, &textures.pageTable, Format::R32Uint}, {21, &textures.pages, Format::Rgba32Uint}, {22, &lobeTable_, Format::Rg32Uint}}) {
     if (row.stream->buffer() == nullptr) continue;
     if (Status s = set.WriteTexels(row.binding, *row.stream->buffer(), row.format); !s) return s;
   }

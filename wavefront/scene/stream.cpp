@@ -13,7 +13,7 @@ Range Stream::Allocate(uint64_t count) {
   return ranges_.Allocate(static_cast<uint32_t>(count));
 }
 
-Status Stream::Fit() {
+Status Stream::Fit(uint64_t atMost) {
   if (overflow_) return Error{"the scene does not fit: more than 2^31 elements of " + name_};
   uint64_t bytes = static_cast<uint64_t>(ranges_.end()) * elementBytes_;
   if (bytes == 0) bytes = 16;
@@ -23,7 +23,14 @@ Status Stream::Fit() {
     buffer_ = std::move(created).value();
     return {};
   }
-  return bytes <= buffer_->size() ? Status() : buffer_->Reserve(bytes);
+  if (bytes <= buffer_->size()) return {};
+  return buffer_->Reserve(bytes, atMost > ~uint64_t{0} / elementBytes_ ? ~uint64_t{0} : atMost * elementBytes_);
+}
+
+void Stream::Release() {
+  buffer_.reset();
+  ranges_ = {};
+  overflow_ = false;
 }
 
 }  // namespace wavefront

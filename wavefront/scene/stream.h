@@ -20,8 +20,11 @@ class Stream {
 
   Range Allocate(uint64_t count);
   void Free(Range range) { ranges_.Free(range); }
-  // Room for everything that was allocated; call once after all Allocate calls of a commit.
-  Status Fit();
+  // Room for everything that was allocated; call once after all Allocate calls of a commit. Spare room ends at `atMost`
+  // elements.
+  Status Fit(uint64_t atMost = ~uint64_t{0});
+  // Frees the buffer and all ranges.
+  void Release();
   template <typename T>
   Status Write(Range range, std::span<const T> values) {
     if (values.empty()) return {};

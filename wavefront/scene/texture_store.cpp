@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <tuple>
 
 #include "wavefront/scene/mip_chain.h"
 #include "wavefront/shared/scene_layout.h"
@@ -15,7 +16,9 @@ using layout::kPageBlockBytes, layout::kPagePitch, layout::kPageSide;
 constexpr uint32_t kPageTexels = kPagePitch * kPagePitch;
 constexpr uint32_t kTailSide = kPageSide / 2;
 static_assert(kPageSide == 1u << layout::kPageShift && kPagePitch == kPageSide + 1);
-static_assert(kPageBlockBytes % 8 == 0 && kPageBlockBytes >= kPageTexels * TexelBytes(TexelFormat::Rgba8Unorm));
+static_assert(kPageBlockBytes % 16 == 0 && kPageBlockBytes >= kPageTexels * TexelBytes(TexelFormat::Rgba8Unorm));
+static_assert(layout::kTexelBytes == static_cast<uint32_t>(TexelFormat::Rgba8Unorm) && layout::kTexelHalfs == static_cast<uint32_t>(TexelFormat::Rgba16Float) &&
+              layout::kTexelWords == static_cast<uint32_t>(TexelFormat::Rgba16Unorm) && layout::kTexelFloats == static_cast<uint32_t>(TexelFormat::Rgba32Float));
 uint32_t Pages(uint32_t side) { return (side + kPageSide - 1) / kPageSide; }
 uint32_t BlocksPerPage(TexelFormat format) { return TexelBytes(format) / TexelBytes(TexelFormat::Rgba8Unorm); }
 
@@ -37,7 +40,7 @@ TextureStore::TextureStore(vulkan::Device& device)
     : records(device, "texture records", MemoryKind::Textures, 16 * layout::kTextureTexels),
       pageTable(device, "page table", MemoryKind::Textures, 4),
       pages(device, "texture pages", MemoryKind::Textures, kPageBlockBytes),
-      maxBlocks_(std::min<uint64_t>(device.info().limits.maxTexelBufferElements * 8, device.memoryBudget() / 2) / kPageBlockBytes) {}
+      maxBlocks_(std::min<uint64_t>(device.info().limits.maxTexelBufferElements * 16, device.memoryBudget() / 2) / kPageBlockBytes) {}
 
 uint32_t TextureStore::FirstBlock(const Resident& r, uint32_t page) { return r.blocks.first + page * BlocksPerPage(r.format); }
 uint32_t TextureStore::FirstTexel(const Resident& r, uint32_t page) { return FirstBlock(r, page) * (kPageBlockBytes / TexelBytes(r.format)); }
@@ -53,31 +56,120 @@ uint64_t BlocksOf(const TextureData& texture) {
 }
 }  // namespace
 
-// A scene with more texels than the device can address renders with coarser ones: the largest textures are halved
-// until everything fits, and each is named. (Paths on hold while pages stream come with a later issue.)
-void TextureStore::ReduceToFit(const DiagnosticSink& sink) {
-  std::vector<std::pair<uint64_t, TextureId>> staged;  // blocks, id
-  uint64_t blocks = 0;
-  for (const auto& [id, r] : resident_) blocks += r.blocks.count;
-  for (const auto& [id, texture] : staged_) {
-    staged.emplace_back(BlocksOf(texture), id);
-    blocks += staged.back().first;
-  }
-  while (blocks > maxBlocks_ && !staged.empty()) {
-    auto largest = std::max_element(staged.begin(), staged.end());
-    TextureData& texture = staged_[largest->second];
-    if (std::max(texture.width, texture.height) <= kPageSide) break;
-    texture.texels = HalveLevel(texture.texels, texture.width, texture.height, texture.format);
-    texture.width = std::max(1u, texture.width / 2);
-    texture.height = std::max(1u, texture.height / 2);
-    blocks -= largest->first;
-    largest->first = BlocksOf(texture);
-    blocks += largest->first;
-    if (sink) {
-      sink({Severity::Warning, "texture-reduced", texture.name, "the textures together pass what this device can hold; this one is read at " +
-            std::to_string(texture.width) + " x " + std::to_string(texture.height)});
+void TextureStore::SetLimit(uint64_t bytes) {
+  std::lock_guard lock(mutex_);
+  limit_ = bytes;
+}
+
+uint64_t TextureStore::BlocksAllowed() const {
+  return limit_ == 0 ? maxBlocks_ : std::min(maxBlocks_, limit_ / kPageBlockBytes);
+}
+
+Result<TextureData> TextureStore::ReadBack(const Resident& r, std::size_t index) {
+  const Level& level = r.levels[index];
+  const uint32_t bytes = TexelBytes(r.format), across = Pages(level.width);
+  TextureData data{r.name, level.width, level.height, r.format, {}};
+  data.texels.resize(static_cast<std::size_t>(level.width) * level.height * bytes);
+  std::vector<std::byte> page(static_cast<std::size_t>(kPageTexels) * bytes);
+  for (uint32_t p = 0; p < across * Pages(level.height); ++p) {
+    if (Status s = pages.Read(FirstBlock(r, level.firstPage + p), page); !s) return s.error();
+    const uint32_t x0 = p % across * kPageSide, y0 = p / across * kPageSide;
+    const uint32_t columns = std::min(kPageSide, level.width - x0), rows = std::min(kPageSide, level.height - y0);
+    for (uint32_t y = 0; y < rows; ++y) {
+      const std::byte* from = &page[(static_cast<std::size_t>(level.y + y) * kPagePitch + level.x) * bytes];
+      std::memcpy(&data.texels[(static_cast<std::size_t>(y0 + y) * level.width + x0) * bytes], from,
+                  static_cast<std::size_t>(columns) * bytes);
     }
   }
+  return data;
+}
+
+void TextureStore::Forget(TextureId id) {
+  const auto it = resident_.find(id);
+  if (it == resident_.end()) return;
+  pages.Free(it->second.blocks);
+  pageTable.Free(it->second.table);
+  resident_.erase(it);
+}
+
+// Textures that together pass what they may take are read coarser: the largest loses its finest level until all fit, of
+// equals the first by name, so that the order in which they came never shows. Those on the device take part. No texture
+// goes below one page: from there on its memory hardly falls, and its picture does.
+Status TextureStore::ReduceToFit(const DiagnosticSink& sink, bool* changed) {
+  struct Candidate {
+    uint64_t blocks;
+    std::string name;
+    TextureId id;
+    TextureData size;  // without texels
+    std::size_t drops = 0;
+  };
+  std::vector<Candidate> all;
+  uint64_t blocks = 0;
+  const auto add = [&](TextureId id, const std::string& name, uint32_t width, uint32_t height, TexelFormat format) {
+    TextureData size{{}, width, height, format, {}};
+    all.push_back({BlocksOf(size), name, id, size});
+    blocks += all.back().blocks;
+  };
+  for (const auto& [id, r] : resident_) add(id, r.name, r.levels[0].width, r.levels[0].height, r.format);
+  for (const auto& [id, t] : staged_) add(id, t.name, t.width, t.height, t.format);
+  const auto before = [](const Candidate& a, const Candidate& b) {
+    return std::tie(a.blocks, b.name, b.id) < std::tie(b.blocks, a.name, a.id);
+  };
+  while (blocks > BlocksAllowed() && !all.empty()) {
+    Candidate& largest = *std::max_element(all.begin(), all.end(), before);
+    TextureData& size = largest.size;
+    if (std::max(size.width, size.height) <= kPageSide) break;
+    size.width = std::max(1u, size.width / 2);
+    size.height = std::max(1u, size.height / 2);
+    ++largest.drops;
+    blocks -= largest.blocks;
+    largest.blocks = BlocksOf(size);
+    blocks += largest.blocks;
+  }
+  std::sort(all.begin(), all.end(), [](const Candidate& a, const Candidate& b) { return std::tie(a.name, a.id) < std::tie(b.name, b.id); });
+  const auto megabytes = [](uint64_t count) { return std::to_string((count * kPageBlockBytes + (1 << 20) - 1) >> 20) + " MB"; };
+  const std::string allowed = megabytes(BlocksAllowed()) + (BlocksAllowed() < maxBlocks_ ? ", the setting textureMemory" : ", what this device can hold");
+  for (const Candidate& c : all) {
+    if (c.drops == 0) continue;
+    *changed = true;
+    if (const auto staged = staged_.find(c.id); staged != staged_.end()) {
+      TextureData& t = staged->second;
+      for (std::size_t i = 0; i < c.drops; ++i) {
+        t.texels = HalveLevel(t.texels, t.width, t.height, t.format);
+        t.width = std::max(1u, t.width / 2);
+        t.height = std::max(1u, t.height / 2);
+      }
+    } else {
+      Result<TextureData> coarser = ReadBack(resident_.at(c.id), c.drops);
+      if (!coarser) return coarser.error();
+      Forget(c.id);
+      staged_[c.id] = std::move(coarser).value();
+    }
+    if (sink) {
+      sink({Severity::Warning, "texture-reduced", c.name, "the textures together pass what they may take (" + allowed +
+            "); this one is read at " + std::to_string(c.size.width) + " x " + std::to_string(c.size.height)});
+    }
+  }
+  if (blocks > BlocksAllowed() && sink && *changed) {
+    sink({Severity::Warning, "texture-memory", "", std::to_string(all.size()) + " textures of at most " + std::to_string(kPageSide) +
+          " texels a side take " + megabytes(blocks) + ", which is more than they may take (" + allowed + ")"});
+  }
+  return {};
+}
+
+// Holes between textures must not make the pool larger than what textures may take: all are laid out anew, in buffers
+// that hold just them.
+Status TextureStore::Compact() {
+  for (const auto& [id, r] : resident_) {
+    if (staged_.count(id) != 0) continue;
+    Result<TextureData> data = ReadBack(r, 0);
+    if (!data) return data.error();
+    staged_[id] = std::move(data).value();
+  }
+  for (const auto& [id, texture] : staged_) Forget(id);
+  pages.Release();
+  for (const auto& [id, texture] : staged_) resident_[id] = Layout(texture);
+  return {};
 }
 
 TextureId TextureStore::Create(TextureData texture) {
@@ -101,6 +193,7 @@ void TextureStore::Destroy(TextureId id) {
 // one page: the first at its corner, the others in a column beside it, each with its own next column and row.
 TextureStore::Resident TextureStore::Layout(const TextureData& texture) {
   Resident r;
+  r.name = texture.name;
   r.format = texture.format;
   uint32_t w = texture.width, h = texture.height, entries = 0, pageCount = 0, tail = 0, tailPage = 0;
   for (;;) {
@@ -134,11 +227,7 @@ Status TextureStore::Commit(const DiagnosticSink& sink, bool* changed) {
       pageTable.Free(tiles->second.table);
       residentTiles_.erase(tiles);
     }
-    auto it = resident_.find(id);
-    if (it == resident_.end()) continue;
-    pages.Free(it->second.blocks);
-    pageTable.Free(it->second.table);
-    resident_.erase(it);
+    Forget(id);
   }
   destroyed_.clear();
   for (auto& [id, texture] : staged_) {
@@ -150,14 +239,21 @@ Status TextureStore::Commit(const DiagnosticSink& sink, bool* changed) {
       texture.texels = {255, 0, 255, 255};
     }
   }
-  ReduceToFit(sink);
+  if (Status s = ReduceToFit(sink, changed); !s) return s;
   for (auto& [id, texture] : staged_) resident_[id] = Layout(texture);
+  uint64_t used = 0;
+  for (const auto& [id, r] : resident_) used += r.blocks.count;
+  const uint64_t held = std::max<uint64_t>(pages.elements(), pages.buffer() ? pages.buffer()->size() / kPageBlockBytes : 0);
+  if (held > std::max(used, BlocksAllowed())) {
+    if (Status s = Compact(); !s) return s;
+  }
   for (const auto& [id, tiles] : stagedTiles_) residentTiles_[id] = LayoutTiles(tiles);
   // Texture ids are record indices.
   if (next_ > records.elements()) records.Allocate(next_ - records.elements());
-  for (Stream* stream : {&records, &pageTable, &pages}) {
+  for (Stream* stream : {&records, &pageTable}) {
     if (Status s = stream->Fit(); !s) return s;
   }
+  if (Status s = pages.Fit(BlocksAllowed()); !s) return s;
   for (auto& [id, texture] : staged_) {
     if (Status s = Upload(id, texture); !s) return s;
     texture = {};
@@ -226,23 +322,13 @@ Result<FloatImage> TextureStore::ReadLevel(TextureId id, uint32_t maxSide) {
   auto it = resident_.find(id);
   if (it == resident_.end()) return Error{"no such texture"};
   const Resident& r = it->second;
-  const uint32_t bytes = TexelBytes(r.format);
-  for (const Level& level : r.levels) {
-    if (std::max(level.width, level.height) > maxSide) continue;
+  for (std::size_t l = 0; l < r.levels.size(); ++l) {
+    if (std::max(r.levels[l].width, r.levels[l].height) > maxSide) continue;
+    const Result<TextureData> data = ReadBack(r, l);
+    if (!data) return data.error();
+    const TextureData& level = data.value();
     FloatImage image{level.width, level.height, std::vector<Float4>(static_cast<std::size_t>(level.width) * level.height)};
-    std::vector<std::byte> page(static_cast<std::size_t>(kPageTexels) * bytes);
-    for (uint32_t py = 0; py < Pages(level.height); ++py) {
-      for (uint32_t px = 0; px < Pages(level.width); ++px) {
-        if (Status s = pages.Read(FirstBlock(r, level.firstPage + py * Pages(level.width) + px), page); !s) return s.error();
-        uint32_t columns = std::min(kPageSide, level.width - px * kPageSide), rows = std::min(kPageSide, level.height - py * kPageSide);
-        for (uint32_t y = 0; y < rows; ++y) {
-          for (uint32_t x = 0; x < columns; ++x) {
-            const std::byte* texel = &page[(static_cast<std::size_t>(level.y + y) * kPagePitch + level.x + x) * bytes];
-            image.texels[(static_cast<std::size_t>(py) * kPageSide + y) * level.width + px * kPageSide + x] = ReadTexel(reinterpret_cast<const uint8_t*>(texel), r.format);
-          }
-        }
-      }
-    }
+    for (std::size_t i = 0; i < image.texels.size(); ++i) image.texels[i] = ReadTexel(&level.texels[i * TexelBytes(r.format)], r.format);
     return image;
   }
   return Error{"the texture has no level that small"};

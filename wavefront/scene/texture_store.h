@@ -6,6 +6,7 @@
 
 #include <map>
 #include <mutex>
+#include <string>
 #include <vector>
 
 #include "wavefront/base/diagnostics.h"
@@ -28,6 +29,9 @@ class TextureStore {
   TextureId Create(TextureData texture);
   void Destroy(TextureId id);
   TextureId CreateTiles(std::vector<TextureTile> tiles);
+  // Bytes that all texels together may take on the device; 0: what the device offers. Counts from the next commit on.
+  // What was read coarser stays so until it is created again.
+  void SetLimit(uint64_t bytes);
 
   Status Commit(const DiagnosticSink& sink, bool* changed);
   uint64_t count() const { return resident_.size(); }
@@ -42,6 +46,7 @@ class TextureStore {
   // their page.
   struct Level { uint32_t width, height, firstEntry, firstPage, x, y; };
   struct Resident {
+    std::string name;
     TexelFormat format;
     std::vector<Level> levels;
     Range table, blocks;
@@ -50,7 +55,12 @@ class TextureStore {
   static uint32_t FirstTexel(const Resident& r, uint32_t page);
   static uint32_t FirstBlock(const Resident& r, uint32_t page);
   Resident Layout(const TextureData& texture);
-  void ReduceToFit(const DiagnosticSink& sink);
+  uint64_t BlocksAllowed() const;
+  Status ReduceToFit(const DiagnosticSink& sink, bool* changed);
+  // A resident texture's level as the data of a texture of its own: its levels will be those that follow it now.
+  Result<TextureData> ReadBack(const Resident& r, std::size_t level);
+  void Forget(TextureId id);
+  Status Compact();
   Status Upload(TextureId id, TextureData& texture);
   // A set's record: its columns and rows, and where its texture ids stand, row by row.
   struct TileTable { uint32_t columns = 0, rows = 0; Range table; };
@@ -66,6 +76,7 @@ class TextureStore {
   std::map<TextureId, std::vector<TextureTile>> stagedTiles_;
   std::map<TextureId, TileTable> residentTiles_;
   TextureId next_ = 0;
+  uint64_t limit_ = 0;
 };
 
 }  // namespace wavefront

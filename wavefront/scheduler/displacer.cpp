@@ -163,7 +163,7 @@ Status Displacer::Prepare(Job& job) {
                          {15, job.parameterBuffer.get(), Format::Rgba32Float},
                          {19, textures_.records.buffer(), Format::Rgba32Uint},
                          {20, textures_.pageTable.buffer(), Format::R32Uint},
-                         {21, textures_.pages.buffer(), Format::Rg32Uint}}) {
+                         {21, textures_.pages.buffer(), Format::Rgba32Uint}}) {
     if (row.buffer == nullptr) continue;
     if (Status s = job.set->WriteTexels(row.binding, *row.buffer, row.format); !s) return s;
   }

@@ -104,6 +104,7 @@ void RendererImpl::SetCamera(const CameraData& camera) {
 void RendererImpl::SetRenderSettings(const RenderSettings& settings) {
   std::lock_guard lock(stagingMutex_);
   stagedSettings_.interactive = settings.interactive;  // concerns the next Commit, but no image
+  stagedSettings_.textureMemory = settings.textureMemory;  // so does this one, where no texture is reduced
   if (!settingsDirty_ && SameSettings(settings, stagedSettings_)) return;
   stagedSettings_ = settings;
   settingsDirty_ = true;
@@ -118,6 +119,10 @@ Status RendererImpl::Commit() {
   if (Status s = tracer_->Drain(); !s) return s;
   const unsigned threads = options_.threads != 0 ? options_.threads : DefaultThreadCount();
   bool changed = false;
+  {
+    std::lock_guard lock(stagingMutex_);
+    scene_->textures.SetLimit(stagedSettings_.textureMemory);
+  }
   const auto displace = [this](MeshData& mesh) { return displacer_->Displace(mesh, options_.diagnostics); };
   if (Status s = scene_->Commit(threads, options_.diagnostics, displace, &changed); !s) return s;
   {

@@ -111,9 +111,14 @@ WF_CONST(kTextureTexels, 1u)
 WF_CONST(kPageShift, 6u)
 WF_CONST(kPageSide, 64u)
 WF_CONST(kPagePitch, 65u)
-// The pool is handed out in blocks of this many bytes (a multiple of 8: it is fetched as uvec2): a page of bytes takes
-// one, a page of halfs two.
+// The pool is handed out in blocks of this many bytes (a multiple of 16: it is fetched as uvec4): a page of bytes takes
+// one, a page of halfs or 16-bit numbers two, a page of floats four.
 WF_CONST(kPageBlockBytes, 16912u)
+// TexelFormat
+WF_CONST(kTexelBytes, 0u)
+WF_CONST(kTexelHalfs, 1u)
+WF_CONST(kTexelWords, 2u)
+WF_CONST(kTexelFloats, 3u)
 
 #ifdef __cplusplus
 }  // namespace wavefront::layout

@@ -141,14 +141,14 @@ Status Buffer::Download(uint64_t offset, std::span<std::byte> data) {
   return {};
 }
 
-Status Buffer::Reserve(uint64_t size) {
+Status Buffer::Reserve(uint64_t size, uint64_t atMost) {
   if (size <= size_) return {};
   std::vector<View> oldViews = std::exchange(views_, {});
   const VkBuffer oldHandle = std::exchange(handle_, nullptr);
   const Memory oldMemory = std::exchange(memory_, {});
   const uint64_t oldSize = std::exchange(size_, 0);
 
-  Status grown = Allocate(std::max(size, oldSize + oldSize / 2));
+  Status grown = Allocate(std::max(size, std::min(oldSize + oldSize / 2, atMost)));
   if (!grown) grown = Allocate(size);  // where half more does not fit, what is needed may
   if (grown) {
     if (memory_.mapped != nullptr && oldMemory.mapped != nullptr) {

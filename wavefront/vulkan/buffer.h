@@ -56,9 +56,9 @@ class Buffer {
   // Reads `data.size()` bytes; waits for all submitted work. For read-backs after rendering, not for frames.
   Status Download(uint64_t offset, std::span<std::byte> data);
 
-  // Makes room for `size` bytes, keeping the contents (zeros follow); grows by at least half where the budget allows. No submitted work may still use the
-  // buffer. A change of generation() says that descriptor sets must be written again.
-  Status Reserve(uint64_t size);
+  // Makes room for `size` bytes, keeping the contents (zeros follow); grows by at least half where the budget and
+  // `atMost` bytes allow. No submitted work may still use the buffer. A change of generation() says that descriptor sets must be written again.
+  Status Reserve(uint64_t size, uint64_t atMost = ~uint64_t{0});
   uint64_t generation() const { return generation_; }
 
   // A view for a texel binding; owned and kept by the buffer. `bytes` 0: to the end. An error where the view would

@@ -232,7 +232,8 @@ class RenderDelegate:
     def pending_textures(self) -> list[TextureRequest]:
         """Generates dirty materials and says which images are not loaded yet; each image once, sorted by path."""
     def set_texture(self, key: int, pixels: Array, *, bottom_up: bool = False) -> None:
-        """pixels: (height, width, 4), uint8 (0..255) or float16, in the rendering colour space; row 0 at the top."""
+        """pixels: (height, width, 4), uint8 (0..255), uint16 (0..65535), float16 or float32, in the rendering colour
+        space; row 0 at the top."""
     def set_texture_tiles(self, key: int, numbers: Sequence[int], pixels: list[Array]) -> None:
         """For a file pattern with <UDIM> or <UVTILE>: the tiles that there are, by UDIM number (1001 to 9999)."""
     def set_texture_missing(self, key: int, reason: str) -> None:

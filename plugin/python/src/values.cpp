@@ -71,15 +71,18 @@ wavefront::TextureData ReadTexture(nb::handle pixels, bool bottomUp) {
   if (!nb::try_cast(pixels, array)) RaiseType("pixels must be an array");
   const nb::dlpack::dtype type = array.dtype();
   const bool isHalf = type.code == static_cast<uint8_t>(nb::dlpack::dtype_code::Float) && type.bits == 16;
-  if (!isHalf && !(type == nb::dtype<uint8_t>())) RaiseType("pixels must be uint8 or float16");
+  wavefront::TextureData data;
+  if (isHalf) data.format = wavefront::TexelFormat::Rgba16Float;
+  else if (type == nb::dtype<uint8_t>()) data.format = wavefront::TexelFormat::Rgba8Unorm;
+  else if (type == nb::dtype<uint16_t>()) data.format = wavefront::TexelFormat::Rgba16Unorm;
+  else if (type == nb::dtype<float>()) data.format = wavefront::TexelFormat::Rgba32Float;
+  else RaiseType("pixels must be uint8, uint16, float16 or float32");
   if (array.ndim() != 3 || array.shape(2) != 4 || array.shape(0) == 0 || array.shape(1) == 0)
     RaiseValue("pixels must have the shape (height, width, 4)");
   if (array.shape(0) > 65536 || array.shape(1) > 65536) RaiseValue("pixels must have at most 65536 a side");
-  wavefront::TextureData data;
   data.height = static_cast<uint32_t>(array.shape(0));
   data.width = static_cast<uint32_t>(array.shape(1));
-  data.format = isHalf ? wavefront::TexelFormat::Rgba16Float : wavefront::TexelFormat::Rgba8Unorm;
-  const size_t rowBytes = array.shape(1) * (isHalf ? 8 : 4);
+  const size_t rowBytes = array.shape(1) * 4 * (type.bits / 8);
   const auto* from = static_cast<const uint8_t*>(array.data());
   nb::gil_scoped_release release;
   data.texels.resize(rowBytes * data.height);

@@ -117,14 +117,30 @@ vec3 patternNormalMap(vec3 value, vec2 scale, vec3 n, vec3 t, vec3 b) {
   return l2 > 1e-12 ? result * inversesqrt(l2) : n;
 }
 
-vec4 patternImage(uint textureId, vec2 uv, float footprint, uint wrapU, uint wrapV, vec4 outside, vec4 fallback) {
+// Images by their filter: linear, closest or cubic.
+vec4 patternImage(uint wrapU, uint wrapV, uint textureId, vec2 uv, float footprint, vec4 outside, vec4 fallback) {
   return textureExists(textureId) ? textureRead(textureId, uv, footprint, wrapU, wrapV, outside) : fallback;
+}
+
+vec4 patternImageClosest(uint wrapU, uint wrapV, uint textureId, vec2 uv, float footprint, vec4 outside, vec4 fallback) {
+  return textureExists(textureId) ? textureReadClosest(textureId, uv, footprint, wrapU, wrapV, outside) : fallback;
+}
+vec4 patternImageCubic(uint wrapU, uint wrapV, uint textureId, vec2 uv, float footprint, vec4 outside, vec4 fallback) {
+  return textureExists(textureId) ? textureReadCubic(textureId, uv, footprint, wrapU, wrapV, outside) : fallback;
 }
 
 // A set of UDIM tiles, which end at their borders.
 vec4 patternTiles(uint setId, vec2 uv, float footprint, vec4 fallback) {
   uint textureId = textureTile(setId, uv);
-  return textureExists(textureId) ? textureRead(textureId, uv, footprint, kWrapClamp, kWrapClamp, fallback) : fallback;
+  return patternImage(kWrapClamp, kWrapClamp, textureId, uv, footprint, fallback, fallback);
+}
+vec4 patternTilesClosest(uint setId, vec2 uv, float footprint, vec4 fallback) {
+  uint textureId = textureTile(setId, uv);
+  return patternImageClosest(kWrapClamp, kWrapClamp, textureId, uv, footprint, fallback, fallback);
+}
+vec4 patternTilesCubic(uint setId, vec2 uv, float footprint, vec4 fallback) {
+  uint textureId = textureTile(setId, uv);
+  return patternImageCubic(kWrapClamp, kWrapClamp, textureId, uv, footprint, fallback, fallback);
 }
 
 float patternMaximumAbs(float v) { return abs(v); }

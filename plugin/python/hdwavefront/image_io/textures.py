@@ -1,14 +1,17 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright the hdWavefront authors
-"""Decodes textures for the delegate: RGBA, uint8 where the file's bytes are the values, half floats in the rendering
-colour space elsewhere. Files are read in strips, so that the host never holds more than the result.
+"""Decodes textures for the delegate: RGBA in the rendering colour space, in the precision of the file. uint8 and uint16
+where the file's numbers are the values, half floats where they are converted. Floats stay floats, unless all are halfs
+(those of RGBE files are). Files are read in strips, so that the host never holds more than the result.
 """
 
 from __future__ import annotations
 
+import io
 import os
 import re
 import tempfile
+import zipfile
 from collections.abc import Callable, Iterator
 from typing import Any
 
@@ -20,6 +23,7 @@ from ..errors import Diagnostics
 _STRIP_BYTES = 16 << 20
 _MAX_SIDE = 32768
 _HALF_MAX = 65504.0
+_FLOAT_MAX = float(np.finfo(np.float32).max)
 
 
 class TextureError(Exception):
@@ -29,7 +33,8 @@ class TextureError(Exception):
 def load_texture(
     path: str, color_space: str, is_color: bool, colors: ColorManager, diagnostics: Diagnostics
 ) -> np.ndarray:
-    """(height, width, 4) uint8 or float16, row 0 at the top. TextureError where the file cannot be used.
+    """(height, width, 4) uint8, uint16, float16 or float32, row 0 at the top. TextureError where the file is
+    no use.
 
     `color_space`: raw, sRGB, auto, a space's name, or empty, which is auto. Grey images fill red, green and blue; a
     second channel is alpha, as UsdUVTexture has it.
@@ -55,14 +60,16 @@ def is_tiled(path: str) -> bool:
 
 def tile_files(pattern: str) -> dict[int, str]:
     """Files of a pattern by UDIM number. <UDIM>: 1001 + column + 10 row; <UVTILE>: u<column + 1>_v<row + 1>."""
-    folder, name = os.path.split(pattern)
+    package, _, inner = pattern[:-1].rpartition("[") if pattern.endswith("]") else ("", "", pattern)
+    folder, name = os.path.split(inner)
     token = next(t for t in TILE_TOKENS if t in name) if is_tiled(name) else ""
-    if not token or not os.path.isdir(folder or "."):
+    if not token:
         return {}
+    files = _files_in_package(package, folder) if package else _files_in(folder)
     head, tail = (re.escape(part) for part in name.split(token, 1))
     number = r"(\d{4})" if token == "<UDIM>" else r"u(\d+)_v(\d+)"
     found: dict[int, str] = {}
-    for file in os.listdir(folder or "."):
+    for file in files:
         match = re.fullmatch(head + number + tail, file)
         if match is None:
             continue
@@ -72,8 +79,25 @@ def tile_files(pattern: str) -> dict[int, str]:
             column, row = int(match[1]) - 1, int(match[2]) - 1
             tile = 1001 + column + 10 * row if 0 <= column < 10 and row >= 0 else 0
         if 1001 <= tile <= 9999:
-            found[tile] = os.path.join(folder, file)
+            path = os.path.join(folder, file)
+            found[tile] = f"{package}[{path}]" if package else path
     return dict(sorted(found.items()))
+
+
+def _files_in(folder: str) -> list[str]:
+    return os.listdir(folder or ".") if os.path.isdir(folder or ".") else []
+
+
+def _files_in_package(package: str, folder: str) -> list[str]:
+    data = package if os.path.exists(package) else _package_bytes(package)
+    if data is None:
+        return []
+    try:
+        with zipfile.ZipFile(data if isinstance(data, str) else io.BytesIO(bytes(data))) as archive:
+            names = archive.namelist()
+    except (OSError, zipfile.BadZipFile):
+        return []
+    return [os.path.basename(name) for name in names if os.path.dirname(name) == folder]
 
 
 def load_tiles(
@@ -143,30 +167,44 @@ def _load_file(
         table = _byte_table(processor) if is_bytes and processor is not None else None
         if table is not None:
             return _through_table(source, spec, channels, table, oiio)
-        bytes_as_is = is_bytes and processor is None
-        halves_as_is = spec.format.basetype == oiio.HALF and processor is None
-        kind = oiio.UINT8 if bytes_as_is else oiio.HALF if halves_as_is else oiio.FLOAT
-        pixels = np.empty((spec.height, spec.width, 4), dtype=np.uint8 if bytes_as_is else np.float16)
-        clipped = False
-        for begin, strip in _strips(source, spec, channels, kind):
-            target = pixels[begin : begin + len(strip)]
-            if bytes_as_is or halves_as_is:
-                _expand(strip, target, 255 if bytes_as_is else 1)
-                clipped |= halves_as_is and _clip_halves(target)
-                continue
-            rgba = np.empty(target.shape, dtype=np.float32)
-            _expand(strip, rgba, 1)
-            if processor is not None:
-                processor.applyRGBA(rgba)
-            clipped |= _clip_floats(rgba)
-            target[...] = rgba
+        pixels, clipped = _through_processor(source, spec, channels, processor, oiio)
         if clipped:
-            diagnostics.info(
-                "texture-clipped", path, f"values beyond {_HALF_MAX:.0f}, or that are no numbers, were clipped"
-            )
+            text = f"values beyond {_HALF_MAX:.0f} (of floats: infinite ones), or that are no numbers, were clipped"
+            diagnostics.info("texture-clipped", path, text)
         return pixels
     finally:
         source.close()
+
+
+def _through_processor(
+    source: Any, spec: Any, channels: list[int], processor: Any, oiio: Any
+) -> tuple[np.ndarray, bool]:
+    """(pixels, whether any were clipped)"""
+    stored = spec.format.basetype
+    as_is = {oiio.UINT8: np.uint8, oiio.UINT16: np.uint16, oiio.HALF: np.float16}
+    dtype: Any = as_is.get(stored) if processor is None else None
+    kind = stored if dtype is not None else oiio.FLOAT
+    is_float = stored in (oiio.FLOAT, oiio.DOUBLE, oiio.UINT32, oiio.INT32)
+    pixels = np.empty((spec.height, spec.width, 4), dtype=dtype or np.float16)
+    clipped = False
+    for begin, strip in _strips(source, spec, channels, kind):
+        target = pixels[begin : begin + len(strip)]
+        if dtype is not None:
+            _expand(strip, target, np.iinfo(dtype).max if target.dtype.kind == "u" else 1)
+            clipped |= dtype == np.float16 and _clip_halves(target)
+            continue
+        rgba = np.empty(target.shape, dtype=np.float32)
+        _expand(strip, rgba, 1)
+        if processor is not None:
+            processor.applyRGBA(rgba)
+        clipped |= _clip_floats(rgba, _FLOAT_MAX if is_float else _HALF_MAX)
+        with np.errstate(over="ignore"):
+            halfs = rgba.astype(np.float16)
+        if is_float and pixels.dtype == np.float16 and (halfs != rgba).any():
+            pixels = pixels.astype(np.float32)  # what is there already is exact
+            target = pixels[begin : begin + len(strip)]
+        target[...] = halfs if pixels.dtype == np.float16 else rgba
+    return pixels, clipped
 
 
 def _byte_table(processor: Any) -> np.ndarray | None:
@@ -256,13 +294,13 @@ def _expand(strip: np.ndarray, rgba: np.ndarray, one: float) -> None:
     rgba[..., 3] = strip[..., 1] if count == 2 else one
 
 
-def _clip_floats(rgba: np.ndarray) -> bool:
-    """Clips to what a half float holds; True if anything changed."""
+def _clip_floats(rgba: np.ndarray, limit: float) -> bool:
+    """Clips to +-limit; True if anything changed."""
     low, high = float(rgba.min()), float(rgba.max())
-    if -_HALF_MAX <= low and high <= _HALF_MAX:  # false for NaN as well
+    if -limit <= low and high <= limit:  # false for NaN as well
         return False
-    np.nan_to_num(rgba, copy=False, nan=0.0, posinf=_HALF_MAX, neginf=-_HALF_MAX)
-    np.clip(rgba, -_HALF_MAX, _HALF_MAX, out=rgba)
+    np.nan_to_num(rgba, copy=False, nan=0.0, posinf=limit, neginf=-limit)
+    np.clip(rgba, -limit, limit, out=rgba)
     return True
 
 
