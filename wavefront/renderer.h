@@ -34,6 +34,14 @@ struct DeviceDescription {
 };
 std::vector<DeviceDescription> ListDevices();
 
+// What copying memory on the device reaches: bytes read and written, the best of several tries, in seconds of a device
+// that does nothing else. `device` as in RendererOptions.
+struct DeviceBandwidth {
+  std::string name, driver, type;  // of the device that was chosen
+  double bytesPerSecond = 0;
+};
+Result<DeviceBandwidth> MeasureCopyBandwidth(const std::string& device);
+
 // What is alive in this process; all zero where no Renderer is. Any thread.
 struct LiveObjects {
   int64_t renderers = 0;
@@ -102,6 +110,7 @@ struct KernelStats {
   bool codeFromCache = false;
   double createMilliseconds = 0, firstDispatchMilliseconds = 0;  // the driver's part
   uint64_t spirvBytes = 0, spirvInstructions = 0;
+  uint32_t stateBytesRead = 0, stateBytesWritten = 0;  // of path state, by an item, at most (scheduler/state_traffic.h)
   std::vector<std::string> driverStatistics;  // "name: value", with HDWAVEFRONT_DRIVER_STATISTICS=1 where the driver has them
 };
 struct QueueStats { std::string name; uint64_t items = 0, peak = 0; };

@@ -151,6 +151,7 @@ KernelCompiler::Done KernelCompiler::Compile(const Job& job, std::unique_ptr<War
   done.cost.codeFromCache = code.fromCache;
   done.cost.spirvBytes = code.spirv.size() * 4;
   done.cost.spirvInstructions = CountInstructions(code.spirv);
+  done.cost.state = StateTrafficOf(code.spirv);
   if (code.spirv.empty()) {
     done.error = code.error;
     return done;

@@ -17,6 +17,7 @@
 #include "wavefront/scene/material_table.h"
 #include "wavefront/vulkan/descriptors.h"
 #include "wavefront/vulkan/driver_compile.h"
+#include "wavefront/scheduler/state_traffic.h"
 #include "wavefront/vulkan/pipeline.h"
 
 namespace wavefront {
@@ -28,6 +29,7 @@ struct CompileCost {
   double createSeconds = 0;     // the pipeline's creation, on all devices
   double firstDispatchSeconds = 0;
   uint64_t spirvBytes = 0, spirvInstructions = 0;
+  StateTraffic state;
   std::vector<std::string> driverStatistics;  // where the driver gives them and they are asked for
 };
 

@@ -73,6 +73,7 @@ Result<std::unique_ptr<vulkan::ComputePipeline>> KernelRegistry::CreateFixed(Ker
   if (!pipeline) return pipeline;
   times_[k].compile.createSeconds = pipeline.value()->creationSeconds();
   times_[k].compile.spirvBytes = spirv.size_bytes();
+  times_[k].compile.state = StateTrafficOf(spirv);
   return pipeline;
 }
 

@@ -25,6 +25,9 @@ Array: TypeAlias = Any
 Samples: TypeAlias = Any  # Array | Sequence[tuple[float, Array]]
 
 def build_facts() -> dict[str, str]: ...
+def measure_copy_bandwidth(device: str = "") -> dict[str, Any]:
+    """name, driver and type of the device that is chosen; bytesPerSecond, read and written, of copies in its memory."""
+
 def list_devices() -> list[dict[str, Any]]:
     """name, driver, type ("discrete GPU", "integrated GPU", "virtual GPU", "CPU", "other"), apiVersion, heapBytes,
     subgroupSize, usable, whyNot, details (list of pairs)."""

@@ -15,6 +15,20 @@ using namespace nb::literals;
 
 namespace {
 
+nb::dict MeasureCopyBandwidth(const std::string& device) {
+  auto measured = [&] {
+    nb::gil_scoped_release release;
+    return wavefront::MeasureCopyBandwidth(device);
+  }();
+  if (!measured) RaiseRuntime(measured.error().message);
+  nb::dict d;
+  d["name"] = measured.value().name;
+  d["driver"] = measured.value().driver;
+  d["type"] = measured.value().type;
+  d["bytesPerSecond"] = measured.value().bytesPerSecond;
+  return d;
+}
+
 nb::list ListDevices() {
   std::vector<wavefront::DeviceDescription> devices;
   {
@@ -86,6 +100,7 @@ nb::list Aovs() {
 
 void BindRegistries(nb::module_& module) {
   module.def("list_devices", &ListDevices);
+  module.def("measure_copy_bandwidth", &MeasureCopyBandwidth, "device"_a = "");
   module.def("render_settings", &RenderSettings);
   module.def("aovs", &Aovs);
   module.def("aov_of_render_var", &delegate::AovTokenOfVar, "source_name"_a, "source_type"_a = "raw");

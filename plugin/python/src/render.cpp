@@ -141,6 +141,8 @@ nb::dict StatsDict(const RenderDelegate& self) {
     k["codeFromCache"] = kernel.codeFromCache;
     k["spirvBytes"] = kernel.spirvBytes;
     k["spirvInstructions"] = kernel.spirvInstructions;
+    k["stateBytesRead"] = kernel.stateBytesRead;
+    k["stateBytesWritten"] = kernel.stateBytesWritten;
     k["createMilliseconds"] = kernel.createMilliseconds;
     k["firstDispatchMilliseconds"] = kernel.firstDispatchMilliseconds;
     kernels.append(k);

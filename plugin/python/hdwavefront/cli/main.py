@@ -13,6 +13,7 @@ from ..errors import EXIT_FAILED, EXIT_INTERRUPTED, HdWavefrontError
 
 def build_parser() -> argparse.ArgumentParser:
     from .arguments import add_record_arguments
+    from .bench import add_bench_arguments
     from .explain import add_explain_arguments
 
     parser = argparse.ArgumentParser(
@@ -29,6 +30,14 @@ def build_parser() -> argparse.ArgumentParser:
             "explain",
             help="a stage's materials: networks, closure trees, generated kernels, and what they cost",
             description="Explains what became of the materials of a USD file, and measures what they cost.",
+        )
+    )
+    add_bench_arguments(
+        commands.add_parser(
+            "bench",
+            help="speed: the paper's tables, wavefront against megakernel, and sweeps",
+            description="Measures speed on scenes of the project's own: wavefront and megakernel in turns, in the "
+            "paper's tables with the paper's figures beside them; and sweeps over one number.",
         )
     )
     commands.add_parser("doctor", help="device, driver, versions, colour configuration, and what is wrong")
@@ -55,6 +64,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
             from .explain import explain
 
             return explain(args)
+        if args.command == "bench":
+            from .bench import bench
+
+            return bench(args)
         if args.command == "doctor":
             from .doctor import doctor
 

@@ -1,0 +1,129 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright the hdWavefront authors
+"""Time at equal noise: 1 / (relMSE x CPU seconds), ours and a peer's, of the same scene.
+
+Each renderer's noise is that of its own pictures, which differ where the translation does: two pictures of different
+random numbers differ by twice the variance, so no reference is needed. relMSE = mean of variance / (mean² + 0.01).
+"""
+
+from __future__ import annotations
+
+import importlib.util
+import json
+import os
+import subprocess
+import sys
+import time
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from ...errors import HdWavefrontError
+from ..scenes.builder import Scene
+from . import flat
+
+PEERS = ("mitsuba", "cycles", "embree")
+_HERE = Path(__file__).resolve().parent
+_OUTLIERS = 0.001  # share of pixels, the noisiest, that do not count: fireflies are decided by chance
+
+
+def relative_mse(first: npt.NDArray[np.float32], second: npt.NDArray[np.float32]) -> float:
+    """Of one picture, by two of them; rgb."""
+    a, b = first[..., :3].astype(np.float64), second[..., :3].astype(np.float64)
+    mean = ((a + b) / 2).mean(-1)
+    error = ((a - b) ** 2).mean(-1) / 2 / (mean**2 + 0.01)
+    kept = np.sort(error.ravel())[: max(1, int(error.size * (1 - _OUTLIERS)))]
+    return float(kept.mean())
+
+
+def _own(scene: Scene, width: int, samples: int, device: str) -> dict[str, Any]:
+    from ...api import Render
+
+    render = Render(
+        scene.path, width=width, device=device, settings={**scene.settings, "samples": 1}, dome_visible=True
+    )
+    render.start()
+    render.wait()
+    pictures, seconds, wall_seconds = [], 0.0, 0.0
+    for seed in (1, 2):
+        wall, cpu = time.perf_counter(), time.process_time()
+        render.start(samples=samples, seed=seed)
+        render.wait()
+        seconds += time.process_time() - cpu
+        wall_seconds += time.perf_counter() - wall
+        pictures.append(render.map("color"))
+    stats = render.stats()
+    total = sum(k["milliseconds"] for k in stats["kernels"])
+    rays = next((k for k in stats["kernels"] if k["name"] == "extension_ray"), None)
+    result = _efficiency(pictures, seconds / 2, wall_seconds / 2, samples)
+    if rays and total:
+        result["mraysPerCpuSecond"] = rays["items"] / (seconds / 2 * rays["milliseconds"] / total) * 1e-6
+    result["size"] = render.size
+    return result
+
+
+def _efficiency(pictures: list[Any], cpu: float, wall: float, samples: int) -> dict[str, Any]:
+    noise = relative_mse(pictures[0], pictures[1])
+    return {
+        "relMse": noise,
+        "cpuSeconds": cpu,
+        "wallSeconds": wall,
+        "samples": samples,
+        "efficiency": 1 / (noise * cpu),
+    }
+
+
+def why_absent(peer: str) -> str:
+    """Empty where the peer is there. Cycles may stand in another Python: $HDWAVEFRONT_BPY_PYTHON."""
+    if peer == "cycles":
+        python = os.environ.get("HDWAVEFRONT_BPY_PYTHON", sys.executable)
+        try:
+            found = subprocess.run([python, "-c", "import bpy"], capture_output=True, timeout=120, check=False)
+        except (OSError, subprocess.TimeoutExpired) as error:
+            return f"$HDWAVEFRONT_BPY_PYTHON does not start: {error}"
+        return "" if found.returncode == 0 else "bpy is not installed here, nor where $HDWAVEFRONT_BPY_PYTHON says"
+    module = {"mitsuba": "mitsuba", "embree": "embreex"}[peer]
+    return "" if importlib.util.find_spec(module) else f"the Python package {module} is not installed"
+
+
+def _run(peer: str, path: str, options: dict[str, Any], limit: float) -> list[dict[str, Any]]:
+    python = os.environ.get("HDWAVEFRONT_BPY_PYTHON", sys.executable) if peer == "cycles" else sys.executable
+    command = [python, str(_HERE / f"{peer}_peer.py"), path, json.dumps(options)]
+    try:
+        done = subprocess.run(command, capture_output=True, text=True, timeout=limit, check=False)
+    except subprocess.TimeoutExpired:
+        raise HdWavefrontError(f"{peer} did not end within {limit:.0f} s.") from None
+    if done.returncode != 0:
+        said = [line for line in done.stderr.splitlines() if line.strip()]
+        raise HdWavefrontError(f"{peer} failed: {said[-1] if said else done.returncode}")
+    return [json.loads(line) for line in done.stdout.splitlines() if line.startswith('{"event"')]
+
+
+def compare(
+    peer: str, scene: Scene, folder: str, width: int, samples: int, device: str, variant: str
+) -> dict[str, Any]:
+    """Both on the scene. For embree only rays are compared: the camera's."""
+    bounces = 0 if peer == "embree" else int(scene.settings.get("maxBounces", 8))
+    own_scene = Scene(scene.name, scene.path, 0, 0, 0, 0, 0, {**scene.settings, "maxBounces": bounces})
+    ours = _own(own_scene, width, samples, device)
+    options = {
+        "width": ours["size"][0],
+        "height": ours["size"][1],
+        "samples": samples,
+        "variant": variant,
+        "maxBounces": bounces,
+        "rouletteBounce": int(scene.settings.get("rouletteBounce", 3)),
+    }
+    said = _run(peer, flat.write(scene.path, folder), options, 1800.0)
+    result: dict[str, Any] = {"scene": scene.name, "peer": peer, "variant": variant, "ours": ours}
+    if peer == "embree":
+        theirs = next(line for line in said if line["event"] == "rays")
+        return {**result, "theirs": theirs, "ratio": ours["mraysPerCpuSecond"] / theirs["mraysPerCpuSecond"]}
+    pictures = [line for line in said if line["event"] == "picture"]
+    cpu, wall = (float(np.mean([p[key] for p in pictures])) for key in ("cpu", "wall"))
+    images = [np.load(p["file"]) for p in pictures]
+    theirs = _efficiency(images, cpu, wall, samples)
+    theirs["brightness"] = float(np.mean(images[0]))
+    return {**result, "theirs": theirs, "ratio": ours["efficiency"] / theirs["efficiency"]}

@@ -1,0 +1,284 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright the hdWavefront authors
+"""`hdwavefront bench`: what it says of what was measured, and one small measurement. No time is asserted."""
+
+from __future__ import annotations
+
+import json
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from hdwavefront.bench import runner, sweeps, tables
+from hdwavefront.bench.measure import GROUPS, Reading, Spread, group_of
+from hdwavefront.bench.paper import PAPER
+from hdwavefront.bench.peers import compare, flat
+from hdwavefront.bench.runner import Clock, Outcome, run_task
+from hdwavefront.bench.scene_bench import remarks, summary
+from hdwavefront.bench.scenes import SCENES, sweep_scene
+from hdwavefront.bench.worker import Task
+from hdwavefront.cli.main import main
+
+ROOT = Path(__file__).resolve().parents[3]
+CORNELL = ROOT / "testenv/Mitsuba.Cornell/scene.usda"
+
+
+def mode_result(rate: float, **more: Any) -> dict[str, Any]:
+    """As a worker says it, of numbers that are easy to follow."""
+    return {
+        "mpathsPerSecond": rate,
+        "mpathsPerSecondSpread": 0.1 * rate,
+        "mpathsPerCpuSecond": rate / 4,
+        "segmentsPerPath": 2.0,
+        "segments": 4_000_000,
+        "wallSeconds": 2.0,
+        "cpuSeconds": 4.0,
+        "kernelMilliseconds": 2000.0,
+        "stateBytesPerSegment": 500.0,
+        "millisecondsPerMillionSegments": dict.fromkeys(GROUPS, 125.0),
+        "share": dict.fromkeys(GROUPS, 0.25),
+        "kernels": [
+            {"name": "extension_ray", "milliseconds": 500.0, "items": 4_000_000, "share": 0.25},
+            {"name": "shadow_ray", "milliseconds": 500.0, "items": 1_000_000, "share": 0.25},
+            {"name": "material:abc:surface", "milliseconds": 1000.0, "items": 2_000_000, "share": 0.5},
+        ],
+        "openSeconds": 0.5,
+        "compileSeconds": 1.5,
+        "firstPictureSeconds": 2.5,
+        "memoryBytes": {"geometry": 9000},
+        **more,
+    }
+
+
+SCENE = {"triangles": 9552, "uniqueTriangles": 100, "instances": 4, "materials": 4, "topologies": 3, "bvhSeconds": 0.1}
+
+
+def outcome_of(wave: float, mega: float | None) -> Outcome:
+    modes = {"wavefront": mode_result(wave)}
+    if mega is not None:
+        modes["megakernel"] = mode_result(mega)
+    return Outcome(scene=dict(SCENE), modes=modes, identical=None if mega is None else True)
+
+
+def test_the_papers_figures() -> None:
+    """Its text: gains of 36, 79 and 221 %."""
+    assert [round(s.gain * 100) for s in PAPER.values()] == [36, 79, 221]
+    assert PAPER["carpaint"].segments_per_path == pytest.approx(1.73, abs=0.01)
+    assert PAPER["conference"].segments_per_path == pytest.approx(5.80, abs=0.01)
+
+
+def test_a_scene_says_its_gain_beside_the_papers() -> None:
+    result = summary("carpaint", outcome_of(3.0, 2.0))
+    assert result is not None
+    assert (result["name"], result["gain"], result["identical"]) == ("carpaint", 0.5, True)
+    assert result["wavefront"]["mpathsPerSecond"] == 3.0 and result["megakernel"]["mpathsPerSecond"] == 2.0
+    line = tables.scene_table([result], on_processor=True).splitlines()[2]
+    cells = [cell.strip() for cell in line.strip("|").split("|")]
+    assert cells == ["carpaint", "9,552", "4 (3)", "2.00 ± 10 %", "3.00 ± 10 %", "+50 %", "+50 %", "yes",
+                     "42.99", "58.38", "+36 %"]  # fmt: skip
+
+
+def test_a_scene_without_a_megakernel_says_so() -> None:
+    outcome = outcome_of(3.0, None)
+    outcome.why_not["megakernel"] = "It is too large."
+    result = summary("city", outcome)
+    assert result is not None and result["gain"] is None and result["megakernel"] is None
+    line = tables.scene_table([result], on_processor=False).splitlines()[2]
+    assert [c.strip() for c in line.strip("|").split("|")][3:7] == ["–", "3.00 ± 10 %", "–", "–"]
+    assert remarks("city", outcome) == ["city: no megakernel: It is too large."]
+    outcome.identical = False
+    assert "DIFFER" in remarks("city", outcome)[-1]
+
+
+def test_the_kernel_table_has_shares_state_and_bandwidth() -> None:
+    result = summary("city", outcome_of(3.0, None))
+    assert result is not None
+    text = tables.kernel_table([result], copy_bytes_per_second=4e9)
+    ours, paper = ([c.strip() for c in line.strip("|").split("|")] for line in text.splitlines()[2:])
+    # 4M segments x 500 bytes in 2 s of kernels are 1 GB/s.
+    assert ours == ["city", *["125 (25 %)"] * 4, "2.00", "500", "25 %"]
+    assert paper[1:6] == ["3.42 (15 %)", "0.86 (4 %)", "5.47 (25 %)", "12.53 (56 %)", "4.63"]
+
+
+def test_kernels_belong_to_the_papers_groups() -> None:
+    kernels = ["logic", "scatter", "new_path", "material:1:surface", "medium_scatter", "extension_ray", "shadow_ray"]
+    groups = ["logic", "logic", "new path", "materials", "materials", "rays", "rays"]
+    assert [group_of(k) for k in kernels] == groups
+
+
+def test_spreads_and_rates() -> None:
+    spread = Spread.of([1.0, 2.0, 3.0, 4.0, 100.0])
+    assert (spread.median, spread.half_range) == (3.0, 1.0)
+    reading = Reading(wall=2.0, cpu=4.0, paths=6_000_000)
+    assert (reading.rate, reading.cpu_rate) == (3.0, 1.5)
+
+
+@pytest.mark.parametrize(
+    ("value", "text"), [(0, "0"), (0.0123456, "0.0123"), (1.5, "1.50"), (12.34, "12.3"), (12345.6, "12,346")]
+)
+def test_numbers_keep_the_digits_that_count(value: float, text: str) -> None:
+    assert tables.number(value) == text
+
+
+@pytest.mark.parametrize("name", sweeps.SWEEPS)
+def test_every_sweep_has_a_table(name: str) -> None:
+    """Of steps that were measured by nobody: all columns and the plot's value are there."""
+    sweep = sweeps.SWEEPS[name]
+    step = sweep.steps(True, "")[0]
+    extra = {"wholeSeconds": 1.0, "wholeCpuSeconds": 2.0, "wholeSamples": 4}
+    outcome = Outcome(scene=dict(SCENE), modes={"wavefront": mode_result(1.0, **extra)})
+    row = sweeps.row_of(step, outcome, on_processor=True)
+    assert row is not None
+    row["bytesPerInstance"] = 128.0
+    assert step.label in sweeps.text_of(sweep, [row]).splitlines()[2]
+    assert sweep.values(row) > 0
+    # 4 s of a core, of which a quarter is rays, five million of them; two million items of materials.
+    assert row["nanosecondsPerRay"] == pytest.approx(200.0)
+    assert row["nanosecondsPerSegment"] == pytest.approx(1000.0)
+    assert row["nanosecondsPerMaterialItem"] == pytest.approx(500.0)
+
+
+def test_steps_that_do_not_fit_are_left_out_and_said(monkeypatch: pytest.MonkeyPatch) -> None:
+    asked: list[str] = []
+
+    def measured(task: Task, limit: float) -> Outcome:
+        asked.append(str(task.sweep["count"]))
+        return Outcome(scene=dict(SCENE), modes={"wavefront": mode_result(1.0)}, seconds=1.0)
+
+    monkeypatch.setattr(sweeps, "run_task", measured)
+    monkeypatch.setattr(sweeps, "available_memory", lambda: 1e9)
+    said: list[str] = []
+    rows = sweeps.run_sweep(sweeps.SWEEPS["triangles"], False, "", Clock(None), True, said.append)
+    assert asked == ["10000", "100000", "1000000"] and len(rows) == 3
+    assert said == ["  triangles 10,000,000: left out: it takes about 3.9 GiB of memory"]
+    said.clear()
+    assert sweeps.run_sweep(sweeps.SWEEPS["pool"], False, "", Clock(0.0), True, said.append) == []
+    assert len(said) == 6 and all("left out: it would take about" in line for line in said)
+
+
+def test_distinct_topologies_stop_at_a_hundred() -> None:
+    left_out = [s.label for s in sweeps.SWEEPS["materials"].steps(False, "") if s.leave_out]
+    assert left_out == ["1000 x 400, 1000 distinct"]
+
+
+@pytest.mark.parametrize(
+    ("kind", "numbers", "triangles"),
+    [
+        ("triangles", {"count": 5000}, 5000),
+        ("instances", {"count": 30}, 30 * 80),
+        ("lights", {"count": 7}, 1024 * 100 + 2),
+        ("materials", {"count": 20, "topologies": 5, "operations": 400}, 1024 * 100),
+    ],
+)
+def test_sweep_scenes(kind: str, numbers: dict[str, int], triangles: int, tmp_path: Path) -> None:
+    from pxr import Usd, UsdLux, UsdShade
+
+    scene = sweep_scene(str(tmp_path), kind=kind, **numbers)
+    assert scene.triangles == triangles
+    stage = Usd.Stage.Open(scene.path)
+    if kind == "lights":
+        assert sum(p.IsA(UsdLux.SphereLight) for p in stage.Traverse()) == 7
+    if kind == "materials":
+        # Topologies: the definitions of the nodes, in their order.
+        networks = {
+            tuple(UsdShade.Shader(c).GetIdAttr().Get() for c in p.GetChildren())
+            for p in stage.Traverse()
+            if p.IsA(UsdShade.Material)
+        }
+        assert scene.materials == 20 and len(networks) == 5
+
+
+def test_a_worker_is_ended_when_its_time_is_over(monkeypatch: pytest.MonkeyPatch) -> None:
+    """What it said until then is kept."""
+    script = 'import time; print(\'{"event": "compared", "identical": true}\', flush=True); time.sleep(600)'
+    popen = runner.subprocess.Popen
+    monkeypatch.setattr(runner.subprocess, "Popen", lambda _, **kw: popen([sys.executable, "-c", script], **kw))
+    outcome = Outcome()
+    for limit in (2.0, 60.0):  # a loaded machine may not start it within the first
+        outcome = run_task(Task(), limit)
+        if outcome.identical is not None:
+            break
+    assert outcome.timed_out and outcome.identical is True and not outcome.error
+
+
+def test_wrong_usage_is_said(capfd: pytest.CaptureFixture[str]) -> None:
+    assert main(["bench", "nonsense"]) == 2
+    assert "'nonsense' is no file, and none of scenes, carpaint" in capfd.readouterr().err
+    assert main(["bench", "city", "--turns", "0"]) == 2
+
+
+def test_a_broken_stage_is_said(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    path = tmp_path / "broken.usda"
+    path.write_text("no usd")
+    assert main(["bench", str(path)]) == 1
+    assert "FAILED" in capfd.readouterr().out
+
+
+def test_noise_is_that_of_one_picture() -> None:
+    """Two pictures of mean 1 whose errors have the variance 0.04, in all channels."""
+    rng = np.random.default_rng(1)
+    first, second = (1 + 0.2 * rng.standard_normal((200, 200, 3)).astype(np.float32) for _ in range(2))
+    assert compare.relative_mse(first, second) == pytest.approx(0.04 / 1.01, rel=0.05)
+    # A firefly is left out; noise in a hundredth of the pixels is not.
+    broken = second.copy()
+    broken[0, 0] = 1e6
+    assert compare.relative_mse(first, broken) == pytest.approx(compare.relative_mse(first, second), rel=0.01)
+    broken[:2] = 100
+    assert compare.relative_mse(first, broken) > 1.3 * compare.relative_mse(first, second)
+
+
+def test_a_flat_scene_has_all_that_is_seen(tmp_path: Path) -> None:
+    scene = SCENES["carpaint"](str(tmp_path))
+    path = flat.write(scene.path, str(tmp_path))
+    made = json.loads(Path(path).read_text())
+    arrays = np.load(tmp_path / "meshes.npz")
+    assert sum(len(arrays[f"t{i}"]) for i in range(len(made["meshes"]))) == scene.triangles
+    assert sorted(light["kind"] for light in made["lights"]) == ["dome", "rect", "rect"]
+    paint = made["materials"]["/World/Looks/CarPaint"]
+    assert paint["coat"] == 1.0 and paint["color"][0] > 3 * paint["color"][1]
+    city = SCENES["city"](str(tmp_path))
+    made = json.loads(Path(flat.write(city.path, str(tmp_path))).read_text())
+    arrays = np.load(tmp_path / "meshes.npz")
+    seen = [len(arrays[f"t{i}"]) * (len(made["groups"][m["group"]]) if m["group"] else 1)
+            for i, m in enumerate(made["meshes"])]  # fmt: skip
+    assert sum(seen) == city.triangles
+
+
+def test_an_absent_peer_is_said(monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]) -> None:
+    monkeypatch.setenv("HDWAVEFRONT_BPY_PYTHON", "/nowhere/python")
+    assert main(["bench", "carpaint", "--peer", "cycles"]) == 0
+    assert "cycles is not compared: $HDWAVEFRONT_BPY_PYTHON does not start" in capfd.readouterr().out
+
+
+def test_mitsuba_renders_the_same_scene(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    """The small way through; that the pictures look alike was seen."""
+    file = tmp_path / "peers.json"
+    arguments = ["bench", "carpaint", "--peer", "mitsuba", "--width", "48", "--peer-samples", "2", "--json", str(file)]
+    assert main(arguments) == 0
+    (row,) = json.loads(file.read_text())["peers"]
+    assert row["ours"]["relMse"] > 0 and row["theirs"]["relMse"] > 0 and row["ratio"] > 0
+    assert 0.1 < row["theirs"]["brightness"] < 3.0
+    assert "| carpaint | mitsuba scalar_rgb |" in capfd.readouterr().out
+
+
+def test_wavefront_and_megakernel_are_measured_in_turns(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    """The whole way, of a small scene whose megakernel other tests compile too."""
+    file = tmp_path / "bench.json"
+    arguments = ["bench", str(CORNELL), "--turns", "1", "--seconds", "0.01", "--width", "32", "--json", str(file)]
+    assert main(arguments) == 0
+    out = capfd.readouterr().out
+    result = json.loads(file.read_text())
+    (scene,) = result["scenes"]
+    assert scene["name"] == "scene.usda" and scene["identical"] is True
+    for mode in ("wavefront", "megakernel"):
+        assert scene[mode]["mpathsPerSecond"] > 0 and scene[mode]["segmentsPerPath"] >= 1
+    assert scene["gain"] == pytest.approx(
+        scene["wavefront"]["mpathsPerSecond"] / scene["megakernel"]["mpathsPerSecond"] - 1
+    )
+    assert sum(scene["wavefront"]["share"].values()) == pytest.approx(1)
+    # Every chunk of a path is 16 bytes, and every segment passes the logic kernel, a ray and a material or an end.
+    assert 100 < scene["wavefront"]["stateBytesPerSegment"] < 5000
+    assert result["machine"]["copyBytesPerSecond"] > 0 and result["machine"]["driver"] in out
+    assert " yes |" in out and "ms per 1M segments" in out

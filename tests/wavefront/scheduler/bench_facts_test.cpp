@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the hdWavefront authors
+// What the benchmark asks of the core besides times: state that a kernel moves, and what copying reaches.
+#include <gtest/gtest.h>
+
+#include <initializer_list>
+#include <string>
+#include <vector>
+
+#include "wavefront/renderer.h"
+#include "wavefront/scheduler/kernel_spirv.h"
+#include "wavefront/scheduler/state_traffic.h"
+
+namespace wavefront {
+namespace {
+
+void Add(std::vector<uint32_t>& module, uint32_t op, std::initializer_list<uint32_t> operands) {
+  module.push_back(static_cast<uint32_t>(operands.size() + 1) << 16 | op);
+  module.insert(module.end(), operands);
+}
+
+// main (10) stores one element and calls f (20) twice; f loads the texel view once and stores one element. Variable 1 is
+// path state as it is written (binding 1), 2 as it is read (binding 2), 3 another storage buffer.
+std::vector<uint32_t> Module() {
+  std::vector<uint32_t> m = {0x07230203, 0x00010300, 0, 100, 0};
+  Add(m, 15, {5, 10, 0x6e69616d, 0});
+  Add(m, 71, {1, 33, 1});
+  Add(m, 71, {2, 33, 2});
+  Add(m, 71, {3, 33, 3});
+  Add(m, 54, {90, 20, 0, 91});
+  Add(m, 61, {92, 30, 2});
+  Add(m, 65, {93, 31, 1, 40});
+  Add(m, 62, {31, 30});
+  Add(m, 65, {93, 32, 3, 40});
+  Add(m, 62, {32, 30});  // not path state
+  Add(m, 56, {});
+  Add(m, 54, {90, 10, 0, 91});
+  Add(m, 57, {90, 33, 20});
+  Add(m, 57, {90, 34, 20});
+  Add(m, 65, {93, 35, 1, 40});
+  Add(m, 62, {35, 30});
+  Add(m, 56, {});
+  Add(m, 54, {90, 50, 0, 91});  // nobody calls it
+  Add(m, 61, {92, 51, 2});
+  Add(m, 56, {});
+  return m;
+}
+
+TEST(StateTraffic, CountsPlacesThroughCalls) {
+  const StateTraffic traffic = StateTrafficOf(Module());
+  EXPECT_EQ(traffic.chunksRead, 2u);
+  EXPECT_EQ(traffic.chunksWritten, 3u);
+}
+
+TEST(StateTraffic, BrokenModulesHaveNone) {
+  std::vector<uint32_t> module = Module();
+  module[5] = 0;  // an instruction without words
+  EXPECT_EQ(StateTrafficOf(module).chunksRead, 0u);
+  EXPECT_EQ(StateTrafficOf({}).chunksWritten, 0u);
+}
+
+TEST(StateTraffic, IsSeenInTheKernels) {
+  // A new path's state is written, none is read; a ray reads where it begins, and writes what it found.
+  const StateTraffic newPath = StateTrafficOf(KernelSpirv("new_path")), ray = StateTrafficOf(KernelSpirv("extension_ray"));
+  EXPECT_GE(newPath.chunksWritten, 4u);
+  EXPECT_GE(ray.chunksRead, 2u);
+  EXPECT_GE(ray.chunksWritten, 2u);
+  EXPECT_LE(ray.chunksRead + ray.chunksWritten, 32u);
+}
+
+TEST(CopyBandwidth, IsMeasuredOnTheDeviceThatIsChosen) {
+  auto measured = MeasureCopyBandwidth("");
+  ASSERT_TRUE(measured) << measured.error().message;
+  EXPECT_GT(measured.value().bytesPerSecond, 0.0);
+  EXPECT_FALSE(measured.value().driver.empty());
+  auto unknown = MeasureCopyBandwidth("no device has this name");
+  ASSERT_FALSE(unknown);
+  EXPECT_NE(unknown.error().message.find("no device has this name"), std::string::npos) << unknown.error().message;
+}
+
+}  // namespace
+}  // namespace wavefront
