@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import numpy as np
 from bsdf_harness import Lobe, direction, rows
 
 WHITE = [1.0, 1.0, 1.0]
@@ -127,10 +128,56 @@ _CASES: dict[str, tuple[str, dict[str, list[float]]]] = {
     ),
 }
 
-LOBES = {name: Lobe(name, file, r, t, *_CASES.get(name, ("", {}))) for name, file, r, t in rows()}
-
 # Transmissive, but no refraction.
 STRAIGHT = ("translucent", "subsurface")
+
+
+class _Dice:
+    """Parameters at random, ends of their ranges and values beyond them among them."""
+
+    def __init__(self, rng: np.random.Generator):
+        self.rng = rng
+
+    def between(self, low: float, high: float, *ends: float) -> float:
+        return float(self.rng.choice(ends)) if ends and self.rng.random() < 0.35 else float(self.rng.uniform(low, high))
+
+    def color(self) -> list[float]:
+        return [self.between(0, 1, 0.0, 1.0, 1.5) for _ in range(3)]
+
+    def alpha(self) -> list[float]:
+        wide = self.between(0.01, 1, 0.0, 1.0, 1.5)
+        return [wide, wide] if self.rng.random() < 0.5 else [wide, wide * self.between(0.1, 1)]
+
+    def film(self) -> list[float]:
+        return [self.between(50, 1000, 0.0, 0.0), self.between(1.05, 2.2, 1.0)]
+
+    def ior(self) -> float:
+        return self.between(1.05, 3, 0.0, 0.7, 1.0, 1.001, 12.0)
+
+
+def random_set(lobe: str, rng: np.random.Generator) -> list[float]:
+    """A parameter set of that lobe, in the order of its entry above."""
+    d = _Dice(rng)
+    if lobe.startswith("dielectric"):
+        return [*d.color(), d.ior(), *d.alpha(), float(rng.integers(2)), 0.0, *d.film()]
+    if lobe == "thinTransmission":
+        return [*d.color(), d.ior(), *d.alpha()]
+    if lobe.startswith("generalizedSchlick"):
+        exponent, ends = d.between(1, 8, 0.0, 5.0), [*d.color(), d.between(0, 1, 1.0), *d.color()]
+        return [*d.color(), exponent, *ends[:3], float(rng.integers(2)), *ends[4:], float(rng.integers(2)), *d.alpha(), *d.film()]
+    if lobe == "conductor":
+        n, k = ([d.between(0.05, 4, 0.0, 1.0) for _ in range(3)] for _ in range(2))
+        return [*n, float(rng.integers(2)), *k, 0.0, *d.alpha(), 0.0, 0.0, *d.film()]
+    if lobe == "chiangHair":
+        # Around the hair no narrower than the quadrature sees: a ridge across its cells.
+        widths = [x for _ in range(3) for x in (d.between(0.01, 1, 0.0, 1.0), d.between(0.08, 1, 0.08, 1.0))]
+        return [*(d.between(0, 2, 0.0, 50.0) for _ in range(3)), d.between(1.1, 2, 1.0), *widths, d.between(0.4, 0.6), 0.0, *d.color()]
+    if lobe in STRAIGHT:
+        return d.color()
+    return [*d.color(), d.between(0.02, 1, 0.0, 1.0, 1.5)]
+
+
+LOBES = {name: Lobe(name, file, r, t, *_CASES.get(name, ("", {}))) for name, file, r, t in rows()}
 
 # Off the axes of the frame, so that an anisotropic lobe has no symmetry to hide behind.
 VIEWS = {
@@ -161,14 +208,17 @@ def albedo_tolerance(lobe: Lobe, name: str) -> float:
         return 0.002
     if name == "retroreflective":
         name = "brushed"
-    if name in ("film", "rough film"):
-        return 0.06 if lobe.transmissive else 0.045  # two cosines of a curve that oscillates
+    # The albedo only steers the choice of a lobe, except in `layer`, which weighs what lies below by it (reflecting lobes).
+    schlick = lobe.name.startswith("generalizedSchlick")
+    if name in ("film", "rough film"):  # two cosines of a curve that oscillates; inside, the curve at the normal
+        return (0.05 if lobe.transmissive else 0.042) if schlick else 0.03
     if lobe.transmissive and name == "brushed":
-        return 0.1  # only steers the choice of a lobe
+        return 0.09  # the table knows isotropic interfaces; inside, the critical angle depends on the azimuth
     if name in ("brushed", "bubble", "body"):
-        return 0.025  # bubble, body: a critical angle
-    # Two cosines do not catch a Fresnel curve with a dip, and T follows a dielectric's curve.
-    return 0.035 if name in ("dark edge", "gold") else 0.012
+        return 0.02  # bubble, body: a critical angle
+    if name == "dark edge":
+        return 0.025  # two cosines do not catch a curve with a dip
+    return 0.035 if name == "gold" and lobe.transmissive else 0.012  # T follows a dielectric's curve
 
 
 def energy_bound(lobe: Lobe, name: str) -> float:
@@ -179,12 +229,17 @@ def energy_bound(lobe: Lobe, name: str) -> float:
         return 1.0 if lobe.sets[name][3] >= 0.2 else 1.25
     if lobe.name == "orenNayar":
         return 1.004
-    if lobe.name == "generalizedSchlickRt" and name in ("dark edge", "gold"):
-        return 1.035  # not a dielectric's curve: R + T = 1 is approximate
-    if "film" in name and lobe.name in ("dielectric", "generalizedSchlickRt"):
-        return 1.015
-    # The compensation divides by fits (0.5 %; refraction of anisotropic lobes: 2 %).
-    if lobe.name in ("dielectric", "generalizedSchlickRt", "dielectricTransmission", "generalizedSchlickTransmission"):
-        return 1.02 if name in ("brushed", "retroreflective") else 1.005
-    compensated = ("conductor", "generalizedSchlick", "dielectricReflection", "thinTransmission")
-    return 1.006 if lobe.name in compensated else 1.0
+    if lobe.name == "generalizedSchlickRt" and name == "dark edge":
+        return 1.0125  # a curve that falls where a dielectric's rises: schlick_interface.glsl
+    # The compensation divides by fits (0.5 %).
+    compensated = ("dielectric", "generalizedSchlick", "conductor", "thinTransmission")
+    return 1.005 if lobe.name.startswith(compensated) else 1.0
+
+
+def random_energy_bound(lobe: Lobe) -> float:
+    """The same for any parameters."""
+    if lobe.name in ("burley", "sheenContyKulla", "orenNayar"):
+        return {"burley": 1.56, "sheenContyKulla": 1.3, "orenNayar": 1.004}[lobe.name]
+    if lobe.name in ("generalizedSchlickRt", "generalizedSchlickTransmission"):
+        return 1.06  # curves far from a dielectric's, at indices up to 9.7, anisotropic: schlick_interface.glsl
+    return 1.01

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import pytest
-from bsdf_cases import LOBES, VIEWS, albedo_tolerance, energy_bound, index_of
+from bsdf_cases import LOBES, VIEWS, albedo_tolerance, energy_bound, index_of, random_energy_bound, random_set
 from bsdf_harness import Cells, Device, Lobe, integrate
 from scipy.stats import chi2
 
@@ -42,8 +42,10 @@ class Measured:
 def measure(runner, name: str) -> Measured:
     lobe = LOBES[name]
     labels = [(s, v) for s in lobe.sets for v in VIEWS]
-    params = lobe.params([s for s, _ in labels])
-    wo = np.array([VIEWS[v] for _, v in labels])
+    return measure_at(runner, lobe, labels, lobe.params([s for s, _ in labels]), np.array([VIEWS[v] for _, v in labels]))
+
+
+def measure_at(runner, lobe: Lobe, labels: list[tuple[str, str]], params: np.ndarray, wo: np.ndarray) -> Measured:
     device = Device(runner, lobe)
     wi, values = device.sample(params, wo, SAMPLES)
     valid = (wi**2).sum(-1) > 0.5
@@ -69,8 +71,8 @@ def test_every_row_has_cases():
         assert lobe.make and lobe.sets, f"{lobe.name} has no entry in bsdf_cases.py"
 
 
-def test_samples_follow_the_pdf(measured: Measured):
-    """Chi-square per configuration; the last bin holds lost samples and cells too small or too uncertain."""
+def chi_square(measured: Measured) -> list[float]:
+    """p values per configuration; the last bin holds lost samples and cells too small or too uncertain."""
     total = SAMPLES - TRAIN
     p_values = []
     for config in range(len(measured.labels)):
@@ -86,6 +88,11 @@ def test_samples_follow_the_pdf(measured: Measured):
             statistic += (total - counted[good].sum() - rest) ** 2 / rest
             bins += 1
         p_values.append(chi2.sf(statistic, max(bins - 1, 1)) if bins > 1 else 1.0)
+    return p_values
+
+
+def test_samples_follow_the_pdf(measured: Measured):
+    p_values = chi_square(measured)
     tests = sum(len(other.sets) for other in LOBES.values()) * len(VIEWS)
     limit = 1 - (1 - SIGNIFICANCE) ** (1 / tests)  # Sidak
     worst = int(np.argmin(p_values))
@@ -236,3 +243,28 @@ def test_degenerate_input_gives_finite_output(kernel_runner, lobe: Lobe):
     samples, _ = device.sample(params, wo, 8)
     length = np.linalg.norm(samples, axis=-1)
     assert np.all((length == 0) | (np.abs(length - 1) < 1e-5))
+
+
+RANDOM = 12  # parameter sets a lobe
+
+
+def test_random_parameters(kernel_runner, lobe: Lobe):
+    """Parameters and views at random, ends of the ranges and beyond: samples follow the pdf, and no energy is made."""
+    rng = np.random.default_rng(sum(lobe.name.encode()))
+    params = np.zeros((RANDOM, 16), np.float32)
+    for row in params:
+        values = random_set(lobe.name, rng)
+        row[: len(values)] = values
+    wo = _random_directions(rng, RANDOM)
+    wo[: RANDOM // 2, 2] = np.abs(wo[: RANDOM // 2, 2])
+    labels = [(str(np.round(p, 3).tolist()), str(np.round(w, 3))) for p, w in zip(params, wo, strict=True)]
+    measured = measure_at(kernel_runner, lobe, labels, params, wo)
+    for values in (measured.wi, measured.eval, measured.albedo, measured.throughput):
+        assert np.isfinite(values).all()
+    limit = 1 - (1 - SIGNIFICANCE) ** (1 / (RANDOM * len(LOBES)))
+    for label, p in zip(labels, chi_square(measured), strict=True):
+        assert p > limit, f"{label}: p = {p:.3g}"
+    sums, errors = measured.per_config(measured.integrals), measured.per_config(measured.errors)
+    for label, s, e in zip(labels, sums, errors, strict=True):
+        assert np.all(s[:3] < random_energy_bound(lobe) + 0.002 + 4 * e[:3]), f"{label}: albedo {s[:3]}"
+        assert np.all(s >= 0) and s[3] < 1.003 + 4 * e[3], f"{label}: {s}"

@@ -17,7 +17,7 @@ struct ChiangHairLobe {
     vec3 carryR, carryTT, carryTRT, carryRest;
     vec4 chance;
     vec4 sinO, cosO;
-    vec3 azimuth;  // where R, TT and TRT leave, relative to wo
+    vec3 centreY, centreZ; // cosine and sine of the azimuths where R, TT and TRT leave
     vec3 variance; // along the hair, of R, TT, and TRT and the rest
     vec3 width;    // logistic scales around it
 };
@@ -53,7 +53,11 @@ ChiangHairLobe chiangHairMake(vec3 wo, vec3 tintR, vec3 tintTT, vec3 tintTRT, fl
     l.sinO = sinO * cos(tilt) + cosO * sin(tilt);
     l.cosO = abs(cosO * cos(tilt) - sinO * sin(tilt));
     vec3 order = vec3(0.0, 1.0, 2.0);
-    l.azimuth = 2.0 * order * gammaT - vec3(2.0 * gammaO) + order * kBsdfPi;
+    vec3 azimuth = 2.0 * order * gammaT - vec3(2.0 * gammaO) + order * kBsdfPi;
+    vec2 around = wo.yz * inversesqrt(max(dot(wo.yz, wo.yz), 1e-30));
+    around = dot(around, around) > 0.5 ? around : vec2(0.0, 1.0);
+    l.centreY = around.x * cos(azimuth) - around.y * sin(azimuth);
+    l.centreZ = around.x * sin(azimuth) + around.y * cos(azimuth);
     l.variance = bsdfClamp(vec3(roughnessR.x, roughnessTT.x, roughnessTRT.x), 1e-3, 1.0);
     l.width = bsdfClamp(vec3(roughnessR.y, roughnessTT.y, roughnessTRT.y), 1e-3, 1.0) * 0.626657; // sqrt(pi / 8)
     return l;
@@ -80,11 +84,11 @@ vec4 chiangHairLongitudinal(ChiangHairLobe l, float sinI, float cosI)
     return chiangHairBessel(along / v) * falloff / (v * (1.0 - exp(-2.0 / v)));
 }
 
-// Azimuthal scattering: logistic about the term's azimuth, cut at pi.
-vec3 chiangHairAzimuthal(ChiangHairLobe l, float phi)
+// Azimuthal scattering: logistic about the term's azimuth, cut at pi. The angle is taken from the lobe's own centre: near 0
+// an arc tangent is exact, elsewhere drivers' are good to some 1e-4, which narrow lobes would show.
+vec3 chiangHairAzimuthal(ChiangHairLobe l, vec3 wi)
 {
-    vec3 d = phi - l.azimuth;
-    d -= 2.0 * kBsdfPi * round(d / (2.0 * kBsdfPi));
+    vec3 d = atan(wi.z * l.centreY - wi.y * l.centreZ, wi.y * l.centreY + wi.z * l.centreZ + 1e-30);
     vec3 e = exp(-abs(d) / l.width);
     vec3 edge = exp(-vec3(kBsdfPi) / l.width);
     return e / (l.width * bsdfSquare(vec3(1.0) + e)) * (vec3(1.0) + edge) / (vec3(1.0) - edge);
@@ -93,8 +97,7 @@ vec3 chiangHairAzimuthal(ChiangHairLobe l, float phi)
 vec4 chiangHairEval(ChiangHairLobe l, vec3 wo, vec3 wi)
 {
     float sinI = clamp(wi.x, -1.0, 1.0), cosI = sqrt(max(1.0 - sinI * sinI, 0.0));
-    float phi = atan(wi.z, wi.y) - atan(wo.z, wo.y);
-    vec4 m = chiangHairLongitudinal(l, sinI, cosI) * vec4(chiangHairAzimuthal(l, phi), 0.5 * kBsdfInvPi);
+    vec4 m = chiangHairLongitudinal(l, sinI, cosI) * vec4(chiangHairAzimuthal(l, wi), 0.5 * kBsdfInvPi);
     vec3 value = l.carryR * m.x + l.carryTT * m.y + l.carryTRT * m.z + l.carryRest * m.w;
     return vec4(value, dot(l.chance, m));
 }
@@ -114,9 +117,10 @@ vec3 chiangHairSample(ChiangHairLobe l, vec3 wo, vec3 u)
     float cosI = sqrt(max(1.0 - sinI * sinI, 0.0));
     float s = dot(pick.xyz, l.width), low = 1.0 / (1.0 + exp(kBsdfPi / max(s, 1e-6)));
     float x = clamp(mix(low, 1.0 - low, u.y), 1e-7, 1.0 - 1e-7);
-    float around = p == 3 ? 2.0 * kBsdfPi * u.y : dot(pick.xyz, l.azimuth) + s * log(x / (1.0 - x));
-    float phi = atan(wo.z, wo.y) + around;
-    return vec3(sinI, cosI * cos(phi), cosI * sin(phi));
+    float around = p == 3 ? 2.0 * kBsdfPi * u.y : s * log(x / (1.0 - x));
+    vec2 centre = p == 3 ? vec2(1.0, 0.0) : vec2(dot(pick.xyz, l.centreY), dot(pick.xyz, l.centreZ));
+    vec2 yz = cos(around) * centre + sin(around) * vec2(-centre.y, centre.x);
+    return vec3(sinI, cosI * yz);
 }
 
 vec3 chiangHairAlbedo(ChiangHairLobe l, vec3 wo) { return l.carryR + l.carryTT + l.carryTRT + l.carryRest; }

@@ -11,7 +11,8 @@ struct GeneralizedSchlickRtLobe {
     SchlickFresnel fresnel;
     vec2 alpha;
     float eta; // index beyond / index on wo's side
-    float loss, gain;
+    float loss;
+    vec3 gain;
     bool retroreflective;
     vec2 film;
 };
@@ -23,8 +24,11 @@ GeneralizedSchlickRtLobe generalizedSchlickRtMake(vec3 wo, vec3 color0, vec3 col
     vec2 alpha = ggxAlpha(roughness);
     float n = schlickIndex(s);
     float eta = wo.z < 0.0 ? 1.0 / n : n;
-    float gain = ggxInterface(abs(wo.z), ggxViewAlpha(wo, alpha), eta).gain;
-    return GeneralizedSchlickRtLobe(s, alpha, eta, ggxLoss(wo, alpha), gain, retroreflective, thinFilmMake(film));
+    float loss = ggxLoss(wo, alpha);
+    film = thinFilmMake(film);
+    float plain = ggxInterface(abs(wo.z), ggxViewAlpha(wo, alpha), eta).gain;
+    vec3 gain = schlickGain(wo, alpha, loss, eta, plain, s, film);
+    return GeneralizedSchlickRtLobe(s, alpha, eta, loss, gain, retroreflective, film);
 }
 
 vec4 generalizedSchlickRtEval(GeneralizedSchlickRtLobe l, vec3 wo, vec3 wi)

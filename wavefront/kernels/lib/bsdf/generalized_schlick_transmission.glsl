@@ -10,7 +10,7 @@ struct GeneralizedSchlickTransmissionLobe {
     SchlickFresnel fresnel;
     vec2 alpha;
     float eta; // index beyond / index on wo's side
-    float gain;
+    vec3 gain;
     vec3 transmitted;
     vec2 film;
 };
@@ -24,8 +24,10 @@ GeneralizedSchlickTransmissionLobe generalizedSchlickTransmissionMake(vec3 wo, v
     float eta = wo.z < 0.0 ? 1.0 / n : n;
     GgxInterface i = ggxInterface(abs(wo.z), ggxViewAlpha(wo, alpha), eta);
     film = thinFilmMake(film);
-    vec3 reflected = schlickReflected(wo, alpha, ggxLoss(wo, alpha), eta, i.reflected, s, film);
-    return GeneralizedSchlickTransmissionLobe(s, alpha, eta, i.gain, vec3(1.0) - reflected, film);
+    float loss = ggxLoss(wo, alpha);
+    vec3 reflected = schlickReflected(wo, alpha, loss, eta, i.reflected, s, film);
+    vec3 gain = schlickGain(wo, alpha, loss, eta, i.gain, s, film);
+    return GeneralizedSchlickTransmissionLobe(s, alpha, eta, gain, vec3(1.0) - reflected, film);
 }
 
 vec4 generalizedSchlickTransmissionEval(GeneralizedSchlickTransmissionLobe l, vec3 wo, vec3 wi)
@@ -35,7 +37,7 @@ vec4 generalizedSchlickTransmissionEval(GeneralizedSchlickTransmissionLobe l, ve
     wi.z *= side;
     vec3 g = ggxTransmission(wo, wi, l.alpha, l.eta);
     vec3 f = fresnelSchlickInterface(g.z, l.eta, l.fresnel, l.film);
-    return vec4((vec3(1.0) - f) * (l.gain * g.x * g.y), g.x);
+    return vec4((vec3(1.0) - f) * l.gain * (g.x * g.y), g.x);
 }
 
 vec3 generalizedSchlickTransmissionSample(GeneralizedSchlickTransmissionLobe l, vec3 wo, vec3 u)

@@ -25,9 +25,31 @@ vec3 fresnelSchlickInterface(float cosI, float eta, SchlickFresnel s, vec2 film)
     return cosT2 > 0.0 ? f : vec3(1.0);
 }
 
-// Albedo of the compensated reflection; `reflected` is that of the dielectric of the same index. Refraction is scaled
-// as that dielectric's: R + T = 1 within 0.5 % where Schlick's curve is like a dielectric's (the default), within 3.5
-// % where it is not.
+// By what refraction is scaled, channel by channel: as the dielectric's of the same index, which the table knows, or less.
+// Reflection takes F (1 + F loss) of what a facet gets with the chance 1 / (1 + loss), so refraction is due 1 + loss (1 +
+// F) for each 1 - F; where a channel reflects less than the dielectric, that is less. Two cosines tell. R + T is 1 within
+// 0.5 % where Schlick's curve is like a dielectric's (the default); one that falls where a dielectric's rises has up to 4
+// % more, since the facets that light refracts at are not those that it reflects from.
+vec3 schlickGain(vec3 wo, vec2 alpha, float loss, float eta, float gain, SchlickFresnel s, vec2 film)
+{
+    GgxMean mean = ggxMean(wo, alpha);
+    vec3 passed = vec3(0.0), due = vec3(0.0);
+    float plainPassed = 0.0, plainDue = 0.0;
+    [[dont_unroll]] for (int i = 0; i < 2; ++i) {
+        float cosine = i == 0 ? mean.cosine.x : mean.cosine.y, share = i == 0 ? mean.share.x : mean.share.y;
+        vec3 f = fresnelSchlickInterface(cosine, eta, s, film);
+        float plain = fresnelDielectric(cosine, eta);
+        passed += share * (vec3(1.0) - f);
+        due += share * (vec3(1.0) - f * f);
+        plainPassed += share * (1.0 - plain);
+        plainDue += share * (1.0 - plain * plain);
+    }
+    vec3 own = clamp(due / max(passed, vec3(1e-4)), vec3(1.0), vec3(2.0));
+    float known = clamp(plainDue / max(plainPassed, 1e-4), 1.0, 2.0);
+    return gain * min((1.0 + loss * own) / (1.0 + loss * known), vec3(1.0));
+}
+
+// Albedo of the compensated reflection; `reflected` is that of the dielectric of the same index.
 vec3 schlickReflected(vec3 wo, vec2 alpha, float loss, float eta, float reflected, SchlickFresnel s,
                       vec2 film)
 {
