@@ -158,6 +158,10 @@ void SettingValues::FillInto(wavefront::RenderSettings& settings) const {
   settings.rouletteBounce = number("rouletteBounce");
   settings.maxTransparency = number("maxTransparency");
   settings.seed = number("seed");
+  const std::string lightSampling = Token("lightSampling");
+  settings.lightSampling = lightSampling == "tree"    ? wavefront::LightSampling::Tree
+                           : lightSampling == "power" ? wavefront::LightSampling::Power
+                                                      : wavefront::LightSampling::Auto;
   settings.executionMode = Token("executionMode") == "megakernel" ? wavefront::ExecutionMode::Megakernel
                                                                   : wavefront::ExecutionMode::Wavefront;
   settings.poolSize = number("poolSize");

@@ -87,6 +87,7 @@ struct RenderSettings {
   float radianceClamp = 0;                 // 0: only the film's stated limit
   bool cameraVisibleDome = true;           // dome lights seen by camera rays
   bool shadows = true;
+  LightSampling lightSampling = LightSampling::Auto;
   bool interactive = false;                // short submits, so that an edit is answered at once; restarts nothing
   std::vector<Aov> aovs;                   // Color is always there
   std::vector<std::string> primvarAovs;    // primvars by slot: what Aov::Primvar0 ... show where `aovs` holds them

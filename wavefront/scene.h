@@ -90,6 +90,12 @@ enum class LightType : uint32_t { Rect, Disk, Sphere, Cylinder, Distant, Dome };
 // UsdLux light in its own space: rect in the xy plane facing -Z; disk likewise; cylinder along X; distant
 // shines along -Z; dome pole +Y. `radiance` is what UsdLux calls L before shaping and textures:
 // intensity * 2^exposure * colour * blackbody, already divided by sizeFactor where normalised.
+enum class LightSampling : uint8_t {
+  Auto,   // by the light tree above a handful of lights
+  Power,  // by power alone
+  Tree,   // by a tree that knows what is near a point and faces it
+};
+
 struct LightData {
   std::string path;
   LightType type = LightType::Rect;

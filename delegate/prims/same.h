@@ -74,9 +74,8 @@ inline auto Fields(const wavefront::MaterialData& v) {
 }
 inline auto Fields(const wavefront::RenderSettings& v) {
   return std::tie(v.width, v.height, v.firstSample, v.samples, v.maxBounces, v.rouletteBounce, v.maxTransparency,
-                  v.seed, v.executionMode, v.poolSize, v.samplesPerBatch, v.frame, v.time, v.textureMemory, v.radianceClamp,
-                  v.cameraVisibleDome, v.shadows,
-                  v.interactive, v.aovs, v.primvarAovs);
+                  v.seed, v.executionMode, v.lightSampling, v.poolSize, v.samplesPerBatch, v.frame, v.time, v.textureMemory,
+                  v.radianceClamp, v.cameraVisibleDome, v.shadows, v.interactive, v.aovs, v.primvarAovs);
 }
 
 template <typename T>

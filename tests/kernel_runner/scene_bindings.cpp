@@ -96,10 +96,11 @@ LightData LightOf(const nb::dict& from) {
 // tiles: sets of (UDIM number, texture id), whose ids follow those of the textures. names: of textures, for diagnostics.
 // commits: (textures created by then, bytes that textures may take, 0: no limit), by commit. The first `gone` textures are
 // destroyed before the last one.
-// emissive: (instance, records, areas) as EmissiveTriangles. memoryBudget: bytes, 0: the device's.
+// emissive: (instance, records, areas, corners) as EmissiveTriangles, corners as floats. light_sampling: as the setting.
+// memoryBudget: bytes, 0: the device's.
 nb::dict SceneTables(const std::vector<nb::dict>& lights, const std::vector<std::tuple<uint32_t, uint32_t, std::string, nb::bytes>>& textures,
-                     const std::vector<std::tuple<uint32_t, std::vector<uint32_t>, std::vector<float>>>& emissive, double sceneRadius,
-                     uint64_t memoryBudget, const std::vector<std::vector<std::pair<uint32_t, uint32_t>>>& tiles,
+                     const std::vector<std::tuple<uint32_t, std::vector<uint32_t>, std::vector<float>, std::vector<float>>>& emissive, double sceneRadius,
+                     uint64_t memoryBudget, const std::string& lightSampling, const std::vector<std::vector<std::pair<uint32_t, uint32_t>>>& tiles,
                      const std::vector<std::string>& names, std::vector<std::pair<std::size_t, uint64_t>> commits, uint32_t gone) {
   vulkan::DeviceOptions options;
   options.memoryBudgetBytes = memoryBudget;
@@ -138,8 +139,13 @@ nb::dict SceneTables(const std::vector<nb::dict>& lights, const std::vector<std:
   std::vector<LightData> all;
   for (const nb::dict& light : lights) all.push_back(LightOf(light));
   std::vector<EmissiveTriangles> triangles;
-  for (const auto& [instance, records, areas] : emissive) triangles.push_back({instance, records, areas, 0});
-  const LightTable table = BuildLightTable(std::move(all), triangles, store, {}, sceneRadius, sink);
+  for (const auto& [instance, records, areas, corners] : emissive) {
+    std::vector<Float3> points;
+    for (std::size_t i = 0; i + 2 < corners.size(); i += 3) points.push_back({corners[i], corners[i + 1], corners[i + 2]});
+    triangles.push_back({instance, records, areas, points, 0});
+  }
+  const LightSampling sampling = lightSampling == "tree" ? LightSampling::Tree : lightSampling == "power" ? LightSampling::Power : LightSampling::Auto;
+  const LightTable table = BuildLightTable(std::move(all), triangles, store, {}, sceneRadius, sampling, sink);
   nb::list shapes;
   for (const LightShape& s : table.shapes) {
     std::vector<double> m;
@@ -154,6 +160,7 @@ nb::dict SceneTables(const std::vector<nb::dict>& lights, const std::vector<std:
   out["lightCount"] = table.lightCount;
   out["infiniteCount"] = table.infiniteCount;
   out["itemCount"] = table.itemCount;
+  out["lightTree"] = table.tree;
   out["shapes"] = shapes;
   out["itemBases"] = itemBases;
   out["textureRecords"] = StreamBytes(store.records, 16 * layout::kTextureTexels);
@@ -168,7 +175,7 @@ nb::dict SceneTables(const std::vector<nb::dict>& lights, const std::vector<std:
 
 void bindScene(nb::module_& module) {
   module.def("scene_tables", &SceneTables, nb::arg("lights"), nb::arg("textures"), nb::arg("emissive"), nb::arg("scene_radius"),
-             nb::arg("memory_budget") = 0, nb::arg("tiles") = std::vector<std::vector<std::pair<uint32_t, uint32_t>>>(),
+             nb::arg("memory_budget") = 0, nb::arg("light_sampling") = "auto", nb::arg("tiles") = std::vector<std::vector<std::pair<uint32_t, uint32_t>>>(),
              nb::arg("names") = std::vector<std::string>(), nb::arg("commits") = std::vector<std::pair<std::size_t, uint64_t>>(), nb::arg("gone") = 0);
   module.def("interface_table", [] { return ToBytes(InterfaceTableTexels()); });
   module.def("halve_level", [](const nb::bytes& texels, uint32_t width, uint32_t height, const std::string& format) {

@@ -244,16 +244,17 @@ ITEMS = """void main() {
   if (i * OUT >= outputs.length()) return;
   vec3 p = inputs[i * IN].xyz;
   vec4 u = inputs[i * IN + 1u];
-  uint item = pickLightItem(u.z);
+  float probability;
+  uint item = pickLightItem(p, u.z, probability);
   vec3 radiance;
-  LightSample s = sampleLightItem(item, p, u.xy, 0.0, radiance);
+  LightSample s = sampleLightItem(item, probability, p, u.xy, 0.0, radiance);
   outputs[i * OUT] = vec4(s.direction, s.distance);
   outputs[i * OUT + 1u] = vec4(radiance, s.pdf);
   uvec4 it = lightItem(item);
   vec3 p0 = vec3(0.0), e1 = vec3(0.0), e2 = vec3(0.0);
   if (it.y != kNoLight) lightTriangle(it, p0, e1, e2);
-  float pdf = it.y != kNoLight ? trianglePdf(e1, e2, s.direction, s.distance) * lightItemProbability(item) : 0.0;
-  outputs[i * OUT + 2u] = vec4(float(item), pdf, lightItemProbability(item), float(it.w));
+  float pdf = it.y != kNoLight ? trianglePdf(e1, e2, s.direction, s.distance) * lightItemProbability(item, p) : 0.0;
+  outputs[i * OUT + 2u] = vec4(float(item), pdf, probability, float(it.w));
 }"""
 
 
@@ -268,8 +269,11 @@ def emissive_scene(runner, lights=(), count=5, seed=1):
     area = [np.linalg.norm(np.cross(w[:, 1] - w[:, 0], w[:, 2] - w[:, 0]), axis=1) / 2 for w in world]
     records = np.arange(count, dtype=np.int64)
     records[2] = NO_LIGHT  # this triangle's material does not emit
-    emissive = [(i, [int(r) for r in records], [float(a) for a in area[i]]) for i in range(2)]
-    tables = scene_tables(list(lights), [], emissive, 10.0)
+    emissive = [
+        (i, [int(r) for r in records], [float(a) for a in area[i]], [float(x) for x in world[i].ravel()])
+        for i in range(2)
+    ]
+    tables = scene_tables(list(lights), [], emissive, 10.0, light_sampling="power")
     triangle = np.zeros((count, 3, 4), np.float32)
     triangle[:, :, :3] = corners
     instance = np.zeros((2, 9, 4), np.float32)

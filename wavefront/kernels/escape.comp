@@ -26,7 +26,7 @@ vec4 addMiss(vec4 radiance, vec3 throughput, vec3 direction, float bsdfPdf, floa
     if (camera && (!dome || (frame.flags & kFrameDomeVisible) == 0u || (l.flags & kLightFlagCameraVisible) == 0u)) continue;
     float pdf = dome ? domePdf(l, direction) : distantPdf(l, direction);
     if (!dome && pdf == 0.0) continue;
-    float weight = camera ? 1.0 : powerHeuristic(bsdfPdf, pdf * lightItemProbability(l.item));
+    float weight = camera ? 1.0 : powerHeuristic(bsdfPdf, pdf * infiniteLightProbability(l.item));
     if (!camera && !castsShadow(l.flags)) weight = 0.0;
     // A light sample reads the texture sharp. Where it shares the estimate, both must see one radiance: a blurred sun
     // would be added once more beside the place where light samples find it.
@@ -45,7 +45,7 @@ vec4 addShape(vec4 radiance, vec3 throughput, uint instance, vec3 origin, vec3 d
   vec3 unitPoint = lightShapePoint(kind, local);
   vec3 area = lightAreaVector(l, unitNormal(l.type, unitPoint));
   if (dot(area, direction) >= 0.0) return radiance;
-  float weight = bsdfPdf == 0.0 ? 1.0 : powerHeuristic(bsdfPdf, shapeHitPdf(l, origin, direction, t, unitPoint) * lightItemProbability(l.item));
+  float weight = bsdfPdf == 0.0 ? 1.0 : powerHeuristic(bsdfPdf, shapeHitPdf(l, origin, direction, t, unitPoint) * lightItemProbability(l.item, origin));
   if (bsdfPdf != 0.0 && !castsShadow(l.flags)) weight = 0.0;
   // As in addMiss: sharp where a light sample shares the estimate.
   float footprint = bsdfPdf == 0.0 ? width / max(sqrt(length(area)), 1e-20) : 0.0;

@@ -26,10 +26,11 @@ void main() {
   vec2 uv = uintBitsToFloat(hit.zw);
   vec3 p = transformPoint(instanceRow(hit.x, 4u), instanceRow(hit.x, 5u), instanceRow(hit.x, 6u), a + uv.x * (b - a) + uv.y * (c - a));
 
-  uint item = pickLightItem(sample1D(ids.z, ids.y, bouncePair(bounce, kPairLightPick)));
+  float probability;
+  uint item = pickLightItem(p, sample1D(ids.z, ids.y, bouncePair(bounce, kPairLightPick)), probability);
   vec3 radiance;
   // Finest texture level: the many points of many paths filter by themselves.
-  LightSample light = sampleLightItem(item, p, sample2D(ids.z, ids.y, bouncePair(bounce, kPairLightPoint)), 0.0, radiance);
+  LightSample light = sampleLightItem(item, probability, p, sample2D(ids.z, ids.y, bouncePair(bounce, kPairLightPoint)), 0.0, radiance);
   // A negative distance says that nothing blocks this light.
   uvec4 record = lightItem(item);
   uint flags = record.y != kNoLight ? kLightFlagShadows : floatBitsToUint(lightTexel(record.x, 0u)).y;

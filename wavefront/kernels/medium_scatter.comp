@@ -37,9 +37,10 @@ void main() {
 
   uint lightPair = mediumPair(bounce, event, kMediumLightPoint);
   if (frame.lightItemCount != 0u) {
-    uint item = pickLightItem(sample1D(ids.z, ids.y, mediumPair(bounce, event, kMediumLightPick)));
+    float probability;
+    uint item = pickLightItem(p, sample1D(ids.z, ids.y, mediumPair(bounce, event, kMediumLightPick)), probability);
     vec3 radiance;
-    LightSample light = sampleLightItem(item, p, sample2D(ids.z, ids.y, lightPair), 0.0, radiance);
+    LightSample light = sampleLightItem(item, probability, p, sample2D(ids.z, ids.y, lightPair), 0.0, radiance);
     uvec4 record = lightItem(item);
     uint flags = record.y != kNoLight ? kLightFlagShadows : floatBitsToUint(lightTexel(record.x, 0u)).y;
     float towards = phaseEval(g, dot(direction, light.direction));

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "wavefront/scene/light_tree.h"
 #include "wavefront/shared/scene_layout.h"
 
 namespace wavefront {
@@ -30,6 +31,8 @@ void UnitScale(const LightData& light, double scale[3], uint32_t* kind) {
 }
 
 double Length(const Matrix4d& m, int row) { return std::sqrt(m.m[row][0] * m.m[row][0] + m.m[row][1] * m.m[row][1] + m.m[row][2] * m.m[row][2]); }
+
+double Length3(const Float4& v) { return std::sqrt(double(v.x) * v.x + double(v.y) * v.y + double(v.z) * v.z); }
 
 // Approximate world area of a shape, for the choice among lights only (exact pdfs come from the kernels).
 double ShapeArea(LightType type, const Matrix4d& m) {
@@ -119,16 +122,155 @@ double AppendDomeMap(const FloatImage& image, std::vector<float>* out) {
 struct Group {  // one analytic light or one emissive instance
   double power = 0;
   int light = -1, emissive = -1;
+  LightBounds bounds;  // of a light at a finite place
 };
+
+// What of its surroundings an analytic light can reach. `sized`: unit shape to world; `toLight`: world to light space.
+LightBounds ShapeBounds(const LightData& light, const Matrix4d& sized, const Rows& toLight, const Double3& origin) {
+  const Rows rows = ToRows(sized, origin);
+  const bool flat = light.type == LightType::Rect || light.type == LightType::Disk;
+  LightBounds b;
+  for (int i = 0; i < 3; ++i) {
+    const Float4& r = rows[static_cast<std::size_t>(i)];
+    // Half widths of the unit shape's box: rect .5 .5 0, disk 1 1 0, sphere 1 1 1, cylinder .5 1 1.
+    const float x = light.type == LightType::Rect || light.type == LightType::Cylinder ? 0.5f : 1.0f;
+    const float half = x * std::abs(r.x) + (light.type == LightType::Rect ? 0.5f : 1.0f) * std::abs(r.y) + (flat ? 0.0f : std::abs(r.z));
+    b.min[i] = r.w - half;
+    b.max[i] = r.w + half;
+  }
+  const auto setAxis = [&](double x, double y, double z) {
+    const double length = std::sqrt(x * x + y * y + z * z);
+    b.axis[0] = static_cast<float>(x / length);
+    b.axis[1] = static_cast<float>(y / length);
+    b.axis[2] = static_cast<float>(z / length);
+  };
+  if (flat) {  // shines along the unit shape's -Z: perpendicular to its plane, on the side that -Z is carried to
+    const auto& m = sized.m;
+    const double n[3] = {m[0][1] * m[1][2] - m[0][2] * m[1][1], m[0][2] * m[1][0] - m[0][0] * m[1][2], m[0][0] * m[1][1] - m[0][1] * m[1][0]};
+    const double side = Determinant3(sized) < 0 ? 1 : -1;
+    setAxis(side * n[0], side * n[1], side * n[2]);
+    b.normals = 0;
+  } else if (light.coneAngle < 0.5f * static_cast<float>(kPi)) {
+    // Shaping is about light space's -Z, in which lengths may be scaled: only the axis is exact.
+    setAxis(-toLight[2].x, -toLight[2].y, -toLight[2].z);
+    const double sx = Length3(toLight[0]), sy = Length3(toLight[1]), sz = Length3(toLight[2]);
+    const bool round = std::max({sx, sy, sz}) <= 1.0001 * std::min({sx, sy, sz});
+    b.normals = 0;
+    b.emission = round ? std::max(light.coneAngle, 0.0f) + 1e-3f : 1.57079633f;
+    if (!round) b.normals = static_cast<float>(kPi);
+  }
+  return b;
+}
+
+// Emissive triangles shine to both sides. Their radiance is only known to their material's kernel.
+LightBounds TriangleBounds(const Float3* corners) {
+  LightBounds b;
+  const float* p[3] = {&corners[0].x, &corners[1].x, &corners[2].x};
+  double u[3], v[3];
+  for (int i = 0; i < 3; ++i) {
+    b.min[i] = std::min({p[0][i], p[1][i], p[2][i]});
+    b.max[i] = std::max({p[0][i], p[1][i], p[2][i]});
+    u[i] = double(p[1][i]) - p[0][i];
+    v[i] = double(p[2][i]) - p[0][i];
+  }
+  const double n[3] = {u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]};
+  const double length = std::sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
+  b.twoSided = true;
+  if (!(length > 0)) return b;
+  for (int i = 0; i < 3; ++i) b.axis[i] = static_cast<float>(n[i] / length);
+  b.normals = 0;
+  return b;
+}
 
 Float4 Bits(uint32_t a, uint32_t b, uint32_t c, uint32_t d) {
   return {std::bit_cast<float>(a), std::bit_cast<float>(b), std::bit_cast<float>(c), std::bit_cast<float>(d)};
 }
 
+// Chances of picking, from weights in item order, as the float CDF really gives them: kernels divide by these.
+std::vector<float> AppendCdf(const std::vector<double>& weights, std::vector<float>* distribution) {
+  double sum = 0, running = 0;
+  for (double w : weights) sum += w;
+  std::vector<float> chances;
+  float before = 0;
+  distribution->push_back(0.0f);
+  for (std::size_t i = 0; i < weights.size(); ++i) {
+    running += weights[i];
+    const float after = i + 1 == weights.size() ? 1.0f : static_cast<float>(std::min(1.0, running / sum));
+    distribution->push_back(after);
+    chances.push_back(after - before);
+    before = after;
+  }
+  return chances;
+}
+
+// Items of all groups and how one of them is picked: by the tree, or by weight alone. False: nothing shines.
+bool WriteItems(const std::vector<Group>& groups, std::vector<EmissiveTriangles>& emissive, LightSampling sampling, LightTable* table) {
+  double powerSum = 0;
+  std::size_t shining = 0, shiningFar = 0;
+  for (std::size_t g = 0; g < groups.size(); ++g) {
+    powerSum += groups[g].power;
+    shining += groups[g].power > 0;
+    shiningFar += groups[g].power > 0 && g < table->infiniteCount;
+  }
+  if (shining == 0) return false;
+
+  std::vector<double> weights;  // of items
+  std::vector<LightBounds> near;
+  const auto addItem = [&](uint32_t a, uint32_t b, uint32_t c, double weight, LightBounds bounds) {
+    bounds.item = static_cast<uint32_t>(weights.size());
+    bounds.power = weight;
+    if (weight > 0 && weights.size() >= table->infiniteCount) near.push_back(bounds);
+    weights.push_back(weight);
+    table->items.insert(table->items.end(), {a, b, 0u, c});
+  };
+  // Half by power, half evenly: power alone starves a small light near the eye, and an emissive mesh counts as of
+  // radiance 1 whatever its material says. A tree knows what is near.
+  const bool evenly = !emissive.empty() || sampling == LightSampling::Power || shining <= kHandfulOfLights;
+  for (const Group& g : groups) {
+    const double power = g.power / powerSum;
+    const double weight = g.power > 0 ? (evenly ? 0.5 * power + 0.5 / static_cast<double>(shining) : power) : 0.0;
+    if (g.light >= 0) {
+      addItem(static_cast<uint32_t>(g.light), layout::kNoLight, 0, weight, g.bounds);
+      continue;
+    }
+    EmissiveTriangles& e = emissive[static_cast<std::size_t>(g.emissive)];
+    e.itemBase = static_cast<uint32_t>(weights.size());
+    const double area = g.power / kPi;
+    for (std::size_t t = 0; t < e.areas.size(); ++t) {
+      const bool emits = e.records[t] != layout::kNoLight && area > 0;
+      addItem(e.instance, emits ? e.records[t] : 0u, static_cast<uint32_t>(t), emits ? weight * e.areas[t] / area : 0.0,
+              emits ? TriangleBounds(&e.corners[3 * t]) : LightBounds{});
+    }
+  }
+  table->itemCount = static_cast<uint32_t>(weights.size());
+  const bool tree = !near.empty() && (sampling == LightSampling::Tree || (sampling == LightSampling::Auto && near.size() > kHandfulOfLights));
+  if (!tree) {
+    const std::vector<float> chances = AppendCdf(weights, &table->distribution);
+    for (std::size_t i = 0; i < chances.size(); ++i) table->items[4 * i + 2] = std::bit_cast<uint32_t>(chances[i]);
+    return true;
+  }
+  // The tree counts as one light beside those at infinity.
+  std::vector<double> far(table->infiniteCount);
+  const double even = 0.5 / static_cast<double>(shiningFar + 1);
+  double nearPower = 0;
+  for (std::size_t g = 0; g < groups.size(); ++g) {
+    if (g < far.size()) far[g] = groups[g].power > 0 ? 0.5 * groups[g].power / powerSum + even : 0.0;
+    else nearPower += groups[g].power;
+  }
+  far.push_back(0.5 * nearPower / powerSum + even);
+  const std::vector<float> chances = AppendCdf(far, &table->distribution);
+  for (std::size_t i = 0; i < table->infiniteCount; ++i) table->items[4 * i + 2] = std::bit_cast<uint32_t>(chances[i]);
+  const LightTree built = BuildLightTree(near);
+  for (std::size_t i = 0; i < near.size(); ++i) table->items[4 * near[i].item + 2] = built.trails[i];
+  table->tree = table->itemCount;
+  table->items.insert(table->items.end(), built.nodes.begin(), built.nodes.end());
+  return true;
+}
+
 }  // namespace
 
 LightTable BuildLightTable(std::vector<LightData> lights, std::vector<EmissiveTriangles>& emissive, TextureStore& textures,
-                           const Double3& origin, double sceneRadius, const DiagnosticSink& sink) {
+                           const Double3& origin, double sceneRadius, LightSampling sampling, const DiagnosticSink& sink) {
   LightTable table;
   std::stable_sort(lights.begin(), lights.end(), [](const LightData& a, const LightData& b) {
     return IsInfinite(a.type) != IsInfinite(b.type) ? IsInfinite(a.type) : a.path < b.path;
@@ -207,51 +349,22 @@ LightTable BuildLightTable(std::vector<LightData> lights, std::vector<EmissiveTr
     table.records.push_back({light.focusTint.x, light.focusTint.y, light.focusTint.z, std::bit_cast<float>(distribution)});
     domeBases.push_back(distribution);
     if (IsInfinite(light.type)) ++table.infiniteCount;
-    groups.push_back({power, static_cast<int>(index), -1});
+    groups.push_back({power, static_cast<int>(index), -1, {}});
+    if (!IsInfinite(light.type)) groups.back().bounds = ShapeBounds(light, sized, *worldToLight, origin);
   }
   for (std::size_t e = 0; e < emissive.size(); ++e) {
     double area = 0;
     for (std::size_t t = 0; t < emissive[e].areas.size(); ++t) {
       if (emissive[e].records[t] != layout::kNoLight) area += emissive[e].areas[t];
     }
-    groups.push_back({kPi * area, -1, static_cast<int>(e)});
+    groups.push_back({kPi * area, -1, static_cast<int>(e), {}});
   }
 
-  // Half by power, half evenly: power alone starves a small light near the eye.
-  double powerSum = 0;
-  std::size_t shining = 0;
-  for (const Group& g : groups) { powerSum += g.power; shining += g.power > 0; }
-  if (shining == 0) {
+  if (!WriteItems(groups, emissive, sampling, &table)) {
     // Nothing shines: items stay, so that indices hold, but none is ever picked.
     for (EmissiveTriangles& e : emissive) e.itemBase = layout::kNoLight;
     for (uint32_t l = 0; l < table.lightCount; ++l) table.records[l * layout::kLightTexels + 9].w = std::bit_cast<float>(layout::kNoStream);
     return table;
-  }
-  std::vector<double> cdf{0.0};
-  auto addItem = [&](uint32_t a, uint32_t b, double probability, uint32_t d) {
-    table.items.insert(table.items.end(), {a, b, 0u, d});
-    cdf.push_back(cdf.back() + probability);
-  };
-  for (const Group& g : groups) {
-    const double weight = g.power > 0 ? 0.5 * g.power / powerSum + 0.5 / static_cast<double>(shining) : 0.0;
-    if (g.light >= 0) {
-      addItem(static_cast<uint32_t>(g.light), layout::kNoLight, weight, 0);
-      continue;
-    }
-    EmissiveTriangles& e = emissive[static_cast<std::size_t>(g.emissive)];
-    e.itemBase = static_cast<uint32_t>(table.items.size() / 4);
-    const double area = g.power / kPi;
-    for (std::size_t t = 0; t < e.areas.size(); ++t) {
-      const bool emits = e.records[t] != layout::kNoLight;
-      addItem(e.instance, emits ? e.records[t] : 0u, emits && area > 0 ? weight * e.areas[t] / area : 0.0, static_cast<uint32_t>(t));
-    }
-  }
-  table.itemCount = static_cast<uint32_t>(table.items.size() / 4);
-  for (double c : cdf) table.distribution.push_back(static_cast<float>(std::min(1.0, c / cdf.back())));
-  table.distribution.back() = 1.0f;
-  // The probability that kernels divide by is the one that the float CDF really gives.
-  for (uint32_t i = 0; i < table.itemCount; ++i) {
-    table.items[4 * i + 2] = std::bit_cast<uint32_t>(table.distribution[i + 1] - table.distribution[i]);
   }
   const uint32_t domeStart = static_cast<uint32_t>(table.distribution.size());
   table.distribution.insert(table.distribution.end(), domeMaps.begin(), domeMaps.end());

@@ -18,6 +18,7 @@ struct EmissiveTriangles {
   uint32_t instance = 0;
   std::vector<uint32_t> records;  // absolute triangle record of each mesh triangle; kNoLight: does not emit
   std::vector<float> areas;       // world
+  std::vector<Float3> corners;    // three of each mesh triangle, world, relative to the scene's origin
   uint32_t itemBase = 0;          // out: first item
 };
 
@@ -30,15 +31,18 @@ struct LightShape {
 
 struct LightTable {
   std::vector<Float4> records;        // kLightTexels per light
-  std::vector<uint32_t> items;        // 4 words per item
-  std::vector<float> distribution;    // item CDF (items + 1 values), then dome maps
+  std::vector<uint32_t> items;        // 4 words per item, then the light tree
+  std::vector<float> distribution;    // CDF over items (with a tree: over lights at infinity and the tree), then dome maps
   std::vector<LightShape> shapes;
   uint32_t lightCount = 0, infiniteCount = 0, itemCount = 0;
+  uint32_t tree = 0;                  // first texel of the light tree among the items; 0: there is none
 };
 
 // Lights are ordered infinite first, then by path. `sceneRadius` weighs distant and dome lights against area lights.
 // Lights that cannot shine (singular transform, no area, not finite) give a diagnostic and are left out.
+// A light tree is built as `sampling` says; Auto: where more than kHandfulOfLights items at finite places shine.
+constexpr std::size_t kHandfulOfLights = 8;
 LightTable BuildLightTable(std::vector<LightData> lights, std::vector<EmissiveTriangles>& emissive, TextureStore& textures,
-                           const Double3& origin, double sceneRadius, const DiagnosticSink& sink);
+                           const Double3& origin, double sceneRadius, LightSampling sampling, const DiagnosticSink& sink);
 
 }  // namespace wavefront

@@ -55,13 +55,15 @@ struct GroupPlan {
   bool emissive = false;
 };
 
-// Triangles of an emissive instance, in mesh order, with world areas.
-EmissiveTriangles GatherEmissive(const GroupPlan& plan, uint32_t instance, const Matrix4d& transform,
+// Triangles of an emissive instance, in mesh order, with world areas and corners.
+EmissiveTriangles GatherEmissive(const GroupPlan& plan, uint32_t instance, const Matrix4d& transform, const Double3& origin,
                                  const std::vector<bvh::TriangleRecord>& records) {
   EmissiveTriangles e;
   e.instance = instance;
   e.records.assign(plan.mesh->triangleCount, layout::kNoLight);
   e.areas.assign(plan.mesh->triangleCount, 0.0f);
+  e.corners.assign(3 * std::size_t{plan.mesh->triangleCount}, Float3{});
+  const Rows rows = ToRows(transform, origin);
   const auto& m = transform.m;
   for (std::size_t i = 0; i < records.size(); ++i) {
     const bvh::TriangleRecord& t = records[i];
@@ -79,6 +81,11 @@ EmissiveTriangles GatherEmissive(const GroupPlan& plan, uint32_t instance, const
     if (!emits || !(area > 0) || !std::isfinite(area)) continue;
     e.records[t.meshTriangle] = plan.mesh->triangles.first + static_cast<uint32_t>(i);
     e.areas[t.meshTriangle] = static_cast<float>(area);
+    std::size_t corner = 3 * std::size_t{t.meshTriangle};
+    for (const auto* v : {&t.v0, &t.v1, &t.v2}) {
+      const auto at = [&](const Float4& r) { return r.x * v->x + r.y * v->y + r.z * v->z + r.w; };
+      e.corners[corner++] = {at(rows[0]), at(rows[1]), at(rows[2])};
+    }
   }
   return e;
 }
@@ -132,6 +139,13 @@ void SceneStore::SetPrimvarAovs(std::vector<std::string> names) {
   if (names == primvarAovs_) return;
   instancesDirty_ = true;
   primvarAovs_ = std::move(names);
+}
+
+void SceneStore::SetLightSampling(LightSampling sampling) {
+  std::lock_guard lock(mutex_);
+  if (sampling == lightSampling_) return;
+  lightsDirty_ = true;
+  lightSampling_ = sampling;
 }
 
 Status SceneStore::Commit(uint32_t threads, const DiagnosticSink& sink, const GeometryStore::Displace& displace, bool* changed) {
@@ -212,7 +226,7 @@ Status SceneStore::RebuildInstances(uint32_t threads, const DiagnosticSink& sink
   if (Status s = GatherEmission(b); !s) return s;
   std::vector<LightData> lights;
   for (const auto& [id, light] : lights_) lights.push_back(light);
-  b.lights = BuildLightTable(std::move(lights), b.emissive, textures, facts_.origin, facts_.sceneRadius, sink);
+  b.lights = BuildLightTable(std::move(lights), b.emissive, textures, facts_.origin, facts_.sceneRadius, lightSampling_, sink);
   WriteMeshInstances(b, threads, sink);
   WriteLightShapes(b);
   return UploadRebuild(b, threads);
@@ -304,7 +318,7 @@ Status SceneStore::GatherEmission(Rebuild& b) {
     std::vector<bvh::TriangleRecord> records(plan.mesh->triangles.count);
     if (Status s = geometry.triangles.Read(plan.mesh->triangles.first, std::as_writable_bytes(std::span(records))); !s) return s;
     for (std::size_t i = 0; i < plan.data->transforms.size(); ++i) {
-      b.emissive.push_back(GatherEmissive(plan, plan.firstInstance + static_cast<uint32_t>(i), FirstTransform(plan.data->transforms[i]), records));
+      b.emissive.push_back(GatherEmissive(plan, plan.firstInstance + static_cast<uint32_t>(i), FirstTransform(plan.data->transforms[i]), facts_.origin, records));
     }
   }
   return {};
@@ -374,7 +388,7 @@ Status SceneStore::UploadRebuild(const Rebuild& b, uint32_t threads) {
   instanceRange_ = instances_.Allocate(b.bounds.size());
   tlasRange_ = geometry.nodes.Allocate(tlas.nodes.size());
   lightRange_ = lightRecords_.Allocate(lights.lightCount);
-  itemRange_ = lightItems_.Allocate(lights.itemCount);
+  itemRange_ = lightItems_.Allocate(lights.items.size() / 4);
   distributionRange_ = lightDistribution_.Allocate(lights.distribution.size());
   for (Stream* stream : {&geometry.nodes, &geometry.triangles, &geometry.indices, &geometry.primvars, &geometry.meshRecords, &instances_, &bindings_,
                          &lightRecords_, &lightItems_, &lightDistribution_}) {
@@ -389,6 +403,7 @@ Status SceneStore::UploadRebuild(const Rebuild& b, uint32_t threads) {
   facts_.tlasRoot = tlasRange_.first;
   facts_.hasGeometry = b.bounds.empty() ? 0 : 1;
   facts_.lightItemCount = lights.itemCount;
+  facts_.lightTree = lights.tree;
   facts_.infiniteLightCount = lights.infiniteCount;
   facts_.lightCount = lights.lightCount;
   facts_.instances = b.instanceCount;

@@ -15,7 +15,7 @@
 namespace wavefront {
 
 struct SceneFacts {
-  uint32_t tlasRoot = 0, hasGeometry = 0, lightItemCount = 0, infiniteLightCount = 0, lightCount = 0;
+  uint32_t tlasRoot = 0, hasGeometry = 0, lightItemCount = 0, lightTree = 0, infiniteLightCount = 0, lightCount = 0;
   float sceneRadius = 1;
   Double3 origin;
   uint64_t instances = 0;
@@ -33,6 +33,7 @@ class SceneStore {
   LightId CreateLight(LightData light);
   void SetLight(LightId id, LightData light);
   void DestroyLight(LightId id);
+  void SetLightSampling(LightSampling sampling);
   void SetPrimvarAovs(std::vector<std::string> names);  // bindings hold their descriptors, too
 
   GeometryStore geometry;
@@ -70,6 +71,7 @@ class SceneStore {
   uint32_t nextGroup_ = 0;
   LightId nextLight_ = 0;
   bool instancesDirty_ = true, lightsDirty_ = true;
+  LightSampling lightSampling_ = LightSampling::Auto;
   std::vector<std::string> primvarAovs_;
 
   Stream instances_, bindings_, lightRecords_, lightItems_, lightDistribution_;

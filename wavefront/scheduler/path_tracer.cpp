@@ -176,7 +176,7 @@ Status PathTracer::WriteFrameConstants() {
   f.sceneOrigin = {static_cast<float>(o.x), static_cast<float>(o.y), static_cast<float>(o.z), 0};
   f.poolSize = poolSize_;
   f.bucketCount = bucketCount_;
-  f.lightItemCount = facts_.lightItemCount; f.infiniteLightCount = facts_.infiniteLightCount; f.lightCount = facts_.lightCount;
+  f.lightItemCount = facts_.lightItemCount; f.lightTree = facts_.lightTree; f.infiniteLightCount = facts_.infiniteLightCount; f.lightCount = facts_.lightCount;
   f.hasGeometry = facts_.hasGeometry; f.sceneRadius = facts_.sceneRadius; f.tlasRoot = facts_.tlasRoot;
   f.sumChannels = film_.sumChannels; f.firstChannels = film_.firstChannels;
   f.colorChannel = film_.of(Aov::Color); f.countChannel = film_.of(Aov::SampleCount);

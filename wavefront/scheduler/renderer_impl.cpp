@@ -43,7 +43,7 @@ bool SameCamera(const CameraData& a, const CameraData& b) {
 bool SameSettings(const RenderSettings& a, const RenderSettings& b) {
   auto tie = [](const RenderSettings& s) {
     return std::tie(s.width, s.height, s.firstSample, s.samples, s.maxBounces, s.rouletteBounce, s.maxTransparency, s.seed, s.executionMode, s.poolSize,
-                    s.samplesPerBatch, s.bandRows, s.frame, s.time, s.radianceClamp, s.cameraVisibleDome, s.shadows, s.aovs, s.primvarAovs);
+                    s.samplesPerBatch, s.bandRows, s.frame, s.time, s.radianceClamp, s.cameraVisibleDome, s.shadows, s.lightSampling, s.aovs, s.primvarAovs);
   };
   return tie(a) == tie(b);
 }
@@ -109,6 +109,7 @@ void RendererImpl::SetRenderSettings(const RenderSettings& settings) {
   stagedSettings_ = settings;
   settingsDirty_ = true;
   scene_->SetPrimvarAovs(settings.primvarAovs);
+  scene_->SetLightSampling(settings.lightSampling);
 }
 
 Status RendererImpl::Commit() {

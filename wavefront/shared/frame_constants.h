@@ -36,6 +36,7 @@ struct FrameConstants {
   uint poolSize;
   uint bucketCount;
   uint lightItemCount;      // entries of the light distribution
+  uint lightTree;           // first texel of the light tree among the light items; 0: items are picked by power alone
   uint infiniteLightCount;  // lights 0 .. infiniteLightCount-1 are distant and dome lights
   uint lightCount;
   uint hasGeometry;         // 0: no instance at all

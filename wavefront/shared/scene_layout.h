@@ -99,7 +99,18 @@ WF_CONST(kLightFlagRectangular, 16u)  // x and y stay perpendicular: rect lights
 // ---- Light item: 1 texel (uvec4): what the light distribution selects ----------------------------------------
 // analytic: x = light index, y = kNoLight, z = probability (float bits), w = 0
 // emissive triangle: x = instance index, y = triangle record (absolute, leaf order), z = probability, w = triangle (mesh order)
+// With a light tree: z of an item in the tree = its trail.
 WF_CONST(kLightItemTexels, 1u)
+
+// ---- Light tree: nodes after the light items, 2 texels (uvec4) each; root first, siblings side by side ---------
+// 0: centre.xyz (float bits) and radius of a sphere around the lights
+// 1: axis of the normals' cone (octahedral, 2 x snorm16), cosines of its half angle and of the emission's angle around
+//    normals (2 x unorm16 of (1 + cos) / 2), power (float bits), reference: first child or kLightNodeLeaf | light item,
+//    and kLightNodeTwoSided
+WF_CONST(kLightNodeTexels, 2u)
+WF_CONST(kLightNodeLeaf, 0x80000000u)
+WF_CONST(kLightNodeTwoSided, 0x40000000u)
+WF_CONST(kLightNodeMask, 0x3fffffffu)
 
 // ---- Texture record: 1 texel (uvec4) -------------------------------------------------------------------------
 // width, height, mip count | format (TexelFormat) << 16, first uint of its own in the page table

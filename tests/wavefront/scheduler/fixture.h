@@ -8,12 +8,14 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <chrono>
 #include <cstdlib>
 #include <cstring>
 #include <map>
 #include <memory>
 #include <mutex>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "materialgen/materialgen.h"
@@ -203,6 +205,28 @@ class World {
     Status s = Commit();
     EXPECT_TRUE(s.ok()) << s.error().message;
     if (!s) return {};
+    return Finish();
+  }
+  // The same, paused, looked at, resumed, stopped and started again on the way.
+  RawFilm RenderInterrupted() {
+    Status s = Commit();
+    EXPECT_TRUE(s.ok()) << s.error().message;
+    if (!s) return {};
+    EXPECT_TRUE(renderer->Start().ok());
+    int interruptions = 0;
+    for (; interruptions < 12 && !renderer->IsConverged(); ++interruptions) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+      if (interruptions % 2 == 0) {
+        renderer->Pause();
+        EXPECT_TRUE(renderer->Map(Aov::Color).ok());
+        renderer->Resume();
+      } else {
+        renderer->Stop();
+        EXPECT_FALSE(renderer->progress().running);
+        EXPECT_TRUE(renderer->Start().ok());
+      }
+    }
+    EXPECT_GT(interruptions, 0);
     return Finish();
   }
   RawFilm Finish() {

@@ -8,5 +8,6 @@
 #include "lib/ray_offset.glsl"
 #include "lib/film.glsl"
 #include "lib/contribute.glsl"
+#include "lib/lights/light_pick.glsl"
 #include "lib/shadow_cast.glsl"
 #include "lib/bsdf/subsurface.glsl"

@@ -7,12 +7,11 @@
 // Writes: those of the next segment. Pushes to: extension rays, shadow rays. Runs after: scatter.
 
 // Emission of the surface itself, weighed against the light sample that could have found it.
-vec3 surfaceEmission(ShadingPoint sp, Closure c, float bsdfPdf, float t) {
+vec3 surfaceEmission(ShadingPoint sp, Closure c, float bsdfPdf, vec3 from, float t) {
   float weight = 1.0;
   uint itemBase = instanceWord(sp.instance, 7u).w;
   if (bsdfPdf > 0.0 && itemBase != kNoLight) {
-    float pick = uintBitsToFloat(texelFetch(lightItems, int(itemBase + sp.triangle)).z);
-    float pdf = pick * trianglePdf(gEdge1World, gEdge2World, sp.wo, t);
+    float pdf = lightItemProbability(itemBase + sp.triangle, from) * trianglePdf(gEdge1World, gEdge2World, sp.wo, t);
     weight = (frame.flags & kFrameShadows) != 0u ? powerHeuristic(bsdfPdf, pdf) : 0.0;  // as castsShadow of lights/record.glsl
   }
   return weight * c.emission;
@@ -158,7 +157,7 @@ void main() {
   }
   if (kHasEmission) {
     vec4 radiance = uintBitsToFloat(loadPath(kChunkRadiance, path));
-    storePathF(kChunkRadiance, path, contribute(radiance, throughput * surfaceEmission(sp, c, throughputPdf.a, t), coneBits.w, kNoLightGroup));
+    storePathF(kChunkRadiance, path, contribute(radiance, throughput * surfaceEmission(sp, c, throughputPdf.a, origin, t), coneBits.w, kNoLightGroup));
   }
   ids.w &= ~((0xffu << kPassShift) | (0xffu << kShadowPassShift) | kFlagMediumLight);
   if (bounce >= frame.maxBounces) {

@@ -5,20 +5,9 @@
 #ifndef WAVEFRONT_LIGHTS_INFINITE_GLSL
 #define WAVEFRONT_LIGHTS_INFINITE_GLSL
 #include "lib/lights/record.glsl"
+#include "lib/lights/distribution.glsl"
 #include "lib/lights/emission.glsl"
 #include "lib/lights/shapes.glsl"
-
-float distributionAt(uint i) { return texelFetch(lightDistribution, int(i)).x; }
-
-// Largest i in [0, count) with cdf[base + i] <= u, for a CDF of count + 1 values from 0 to 1.
-uint searchCdf(uint base, uint count, float u) {
-  uint lo = 0u, n = count;
-  [[dont_unroll]] while (n > 1u) {
-    uint h = n >> 1;
-    if (distributionAt(base + lo + h) <= u) { lo += h; n -= h; } else { n = h; }
-  }
-  return lo;
-}
 
 float domePdf(Light l, vec3 wi) {
   if (l.distribution == kNoStream) return 0.07957747154594767;  // 1 / 4 pi

@@ -6,11 +6,8 @@
 #include "lib/lights/shapes.glsl"
 #include "lib/lights/infinite.glsl"
 #include "lib/records.glsl"
+#include "lib/lights/light_pick.glsl"
 #include "lib/mis.glsl"
-
-uint pickLightItem(float u) { return searchCdf(0u, frame.lightItemCount, u); }
-uvec4 lightItem(uint item) { return texelFetch(lightItems, int(item)); }
-float lightItemProbability(uint item) { return uintBitsToFloat(lightItem(item).z); }
 
 // Square to triangle without folding (Heitz 2019, "A Low-Distortion Map Between Triangle and Square").
 vec2 sampleTriangle(vec2 u) {
@@ -27,8 +24,8 @@ void lightTriangle(uvec4 item, out vec3 p0, out vec3 e1, out vec3 e2) {
   e1 = transformVector(w0, w1, w2, b - a);
   e2 = transformVector(w0, w1, w2, c - a);
 }
-// Samples the picked item as seen from p. `radiance` is 1 for emissive triangles: the emission kernel finds it later.
-LightSample sampleLightItem(uint item, vec3 p, vec2 u, float footprint, out vec3 radiance) {
+// Samples an item that was picked with this probability, as seen from p. `radiance` is 1 for emissive triangles: the emission kernel finds it later.
+LightSample sampleLightItem(uint item, float probability, vec3 p, vec2 u, float footprint, out vec3 radiance) {
   uvec4 it = lightItem(item);
   LightSample s;
   radiance = vec3(1.0);
@@ -49,7 +46,7 @@ LightSample sampleLightItem(uint item, vec3 p, vec2 u, float footprint, out vec3
     else s = sampleShape(l, p, u);
     radiance = lightRadiance(l, -s.direction, s.unitPoint, footprint);
   }
-  s.pdf *= uintBitsToFloat(it.z);
+  s.pdf *= probability;
   return s;
 }
 #endif
