@@ -421,15 +421,14 @@ Status SceneStore::UploadLobeTable() {
 }
 
 Status SceneStore::Bind(vulkan::DescriptorSet& set) {
-  using vulkan::Format;
-  struct Row { uint32_t binding; Stream* stream; Format format; };
-  for (const Row& row : {Row{8, &geometry.nodes, Format::Rgba32Uint}, {9, &geometry.triangles, Format::Rgba32Float}, {10, &instances_, Format::Rgba32Uint},
-                         {11, &geometry.meshRecords, Format::Rgba32Uint}, {12, &geometry.indices, Format::R32Uint}, {13, &geometry.primvars, Format::R32Float},
-                         {14, &bindings_, Format::Rgba32Uint}, {15, &materials.parameters, Format::Rgba32Float}, {16, &lightRecords_, Format::Rgba32Float},
-                         {17, &lightItems_, Format::Rgba32Uint}, {18, &lightDistribution_, Format::R32Float}, {19, &textures.records, Format::Rgba32Uint},
-                         {20, &textures.pageTable, Format::R32Uint}, {21, &textures.pages, Format::Rgba32Uint}, {22, &lobeTable_, Format::Rg32Uint}}) {
+  struct Row { uint32_t binding; Stream* stream; };
+  for (const Row& row : {Row{8, &geometry.nodes}, {9, &geometry.triangles}, {10, &instances_},
+                         {11, &geometry.meshRecords}, {12, &geometry.indices}, {13, &geometry.primvars},
+                         {14, &bindings_}, {15, &materials.parameters}, {16, &lightRecords_},
+                         {17, &lightItems_}, {18, &lightDistribution_}, {19, &textures.records},
+                         {20, &textures.pageTable}, {21, &textures.pages}, {22, &lobeTable_}}) {
     if (row.stream->buffer() == nullptr) continue;
-    if (Status s = set.WriteTexels(row.binding, *row.stream->buffer(), row.format); !s) return s;
+    if (Status s = set.WriteTexels(row.binding, *row.stream->buffer()); !s) return s;
   }
   return {};
 }

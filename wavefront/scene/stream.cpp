@@ -18,7 +18,7 @@ Status Stream::Fit(uint64_t atMost) {
   uint64_t bytes = static_cast<uint64_t>(ranges_.end()) * elementBytes_;
   if (bytes == 0) bytes = 16;
   if (!buffer_) {
-    auto created = vulkan::Buffer::Create(device_, {bytes, kind_, vulkan::MemoryLocation::DeviceLocal, name_});
+    auto created = vulkan::Buffer::Create(device_, {bytes, kind_, vulkan::MemoryLocation::DeviceLocal, name_, true});
     if (!created) return created.error();
     buffer_ = std::move(created).value();
     return {};

@@ -112,7 +112,7 @@ Result<const vulkan::ComputePipeline*> Displacer::Pipeline(const DisplacementDat
 
 Status Displacer::Allocate(std::unique_ptr<vulkan::Buffer>& buffer, std::span<const std::byte> data, const char* name) {
   auto made = vulkan::Buffer::Create(
-      device_, {data.size(), vulkan::MemoryKind::Geometry, vulkan::MemoryLocation::DeviceLocal, name});
+      device_, {data.size(), vulkan::MemoryKind::Geometry, vulkan::MemoryLocation::DeviceLocal, name, true});
   if (!made) return made.error();
   buffer = std::move(made).value();
   return data.empty() ? Status() : buffer->Upload(0, data);
@@ -149,23 +149,21 @@ Status Displacer::Prepare(Job& job) {
                                                  vulkan::MemoryLocation::DeviceLocal, "displacement offsets"});
   if (!output) return output.error();
   job.output = std::move(output).value();
-  using vulkan::Format;
   struct Row {
     uint32_t binding;
     vulkan::Buffer* buffer;
-    Format format;
   };
-  for (const Row& row : {Row{10, job.instanceBuffer.get(), Format::Rgba32Uint},
-                         {11, job.meshBuffer.get(), Format::Rgba32Uint},
-                         {12, job.indexBuffer.get(), Format::R32Uint},
-                         {13, job.valueBuffer.get(), Format::R32Float},
-                         {14, job.bindingBuffer.get(), Format::Rgba32Uint},
-                         {15, job.parameterBuffer.get(), Format::Rgba32Float},
-                         {19, textures_.records.buffer(), Format::Rgba32Uint},
-                         {20, textures_.pageTable.buffer(), Format::R32Uint},
-                         {21, textures_.pages.buffer(), Format::Rgba32Uint}}) {
+  for (const Row& row : {Row{10, job.instanceBuffer.get()},
+                         {11, job.meshBuffer.get()},
+                         {12, job.indexBuffer.get()},
+                         {13, job.valueBuffer.get()},
+                         {14, job.bindingBuffer.get()},
+                         {15, job.parameterBuffer.get()},
+                         {19, textures_.records.buffer()},
+                         {20, textures_.pageTable.buffer()},
+                         {21, textures_.pages.buffer()}}) {
     if (row.buffer == nullptr) continue;
-    if (Status s = job.set->WriteTexels(row.binding, *row.buffer, row.format); !s) return s;
+    if (Status s = job.set->WriteTexels(row.binding, *row.buffer); !s) return s;
   }
   return job.set->Write(7, *job.output);
 }

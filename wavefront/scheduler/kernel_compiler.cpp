@@ -28,7 +28,9 @@ uint64_t CountInstructions(const std::vector<uint32_t>& spirv) {
 
 }  // namespace
 
-// A device of this thread's own: one queue compiles serially, several devices compile side by side.
+// A device of this thread's own, with a set that looks to the driver as the renderer's (formats of the layout, sizes as
+// BufferDesc::texels has them): lavapipe compiles for what it finds bound, and would compile again otherwise. One queue compiles
+// serially, several devices side by side.
 struct KernelCompiler::WarmDevice {
   std::unique_ptr<vulkan::Device> device;
   std::unique_ptr<vulkan::PipelineLayout> layout;

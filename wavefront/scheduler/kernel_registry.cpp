@@ -17,23 +17,20 @@ constexpr FixedKernel kFixed[] = {
 };
 
 std::vector<vulkan::Binding> Bindings() {
-  using vulkan::DescriptorKind;
-  // Texel bindings by the type that lib/bindings.glsl declares; a test compares the two.
-  auto texelKind = [](uint32_t number) {
-    switch (number) {
-      case 9: case 13: case 15: case 16: case 18: return DescriptorKind::TexelBufferFloat;
-      default: return DescriptorKind::TexelBufferUint;
+  using enum vulkan::Format;
+  struct Of {
+    static vulkan::Binding Make(uint32_t number, vulkan::DescriptorKind kind) { return {number, kind}; }
+    static vulkan::Binding Make(uint32_t number, vulkan::Format format) {
+      using vulkan::DescriptorKind;
+      return {number, vulkan::IsUint(format) ? DescriptorKind::TexelBufferUint : DescriptorKind::TexelBufferFloat, 1, format};
     }
   };
-  std::vector<vulkan::Binding> bindings;
-  enum { Storage, Texel, Uniform };
-  auto add = [&](uint32_t number, int kind) {
-    bindings.push_back({number, kind == Storage ? DescriptorKind::StorageBuffer : kind == Uniform ? DescriptorKind::UniformBuffer : texelKind(number), 1});
-  };
-#define WAVEFRONT_BINDING(Name, number, kind) add(number, kind);
+  constexpr auto Storage = vulkan::DescriptorKind::StorageBuffer, Uniform = vulkan::DescriptorKind::UniformBuffer;
+  return {
+#define WAVEFRONT_BINDING(Name, number, kind) Of::Make(number, kind),
 #include "wavefront/shared/bindings.def"
 #undef WAVEFRONT_BINDING
-  return bindings;
+  };
 }
 
 // They take the place of material kernels, and most renders need none.

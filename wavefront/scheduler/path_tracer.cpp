@@ -64,7 +64,7 @@ Status PathTracer::Allocate(std::unique_ptr<vulkan::Buffer>& buffer, uint64_t by
   bytes = std::max<uint64_t>(16, bytes);
   if (buffer && buffer->size() >= bytes && buffer->size() <= 2 * bytes + 4096) return {};
   buffer.reset();
-  auto created = vulkan::Buffer::Create(device_, {bytes, kind, location, name});
+  auto created = vulkan::Buffer::Create(device_, {bytes, kind, location, name, kind == MemoryKind::PathState});
   if (!created) return created.error();
   buffer = std::move(created).value();
   return {};
@@ -111,7 +111,7 @@ Status PathTracer::Configure(const RenderSettings& settings, const CameraData& c
                          {&frame_, sizeof(FrameConstants), MemoryKind::Tables, MemoryLocation::HostVisible, "frame constants"}}) {
     if (Status s = Allocate(*row.buffer, row.bytes, row.kind, row.location, row.name); !s) return s;
   }
-  for (Status s : {set_->Write(0, *frame_), set_->Write(1, *pathState_), set_->WriteTexels(2, *pathState_, vulkan::Format::Rgba32Uint),
+  for (Status s : {set_->Write(0, *frame_), set_->Write(1, *pathState_), set_->WriteTexels(2, *pathState_),
                    set_->Write(3, *counters_), set_->Write(4, *queues_), set_->Write(5, *filmSums_), set_->Write(6, *filmFirst_),
                    set_->Write(7, *resolved_), scene.Bind(*set_)}) {
     if (!s) return s;

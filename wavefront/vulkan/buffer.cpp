@@ -20,6 +20,16 @@ constexpr VkBufferUsageFlags kUsage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BU
 
 uint64_t RoundUp(uint64_t size) { return std::max<uint64_t>(16, (size + 15) & ~uint64_t{15}); }
 
+// Mesa's software driver compiles a kernel for two facts about each texel buffer that it reads: whether the buffer's size is
+// a power of two, and whether bits 8 to 15 of the view's are all zero (lp_sampler_static_texture_state takes them for those
+// of an image). With these spare bytes neither is ever so, and code that was compiled once serves buffers of all sizes.
+uint64_t SpareBytes(uint64_t size) {
+  uint64_t spare = 0;
+  const auto isSpecial = [](uint64_t n) { return (n & (n - 1)) == 0 || ((n >> 8) & 255) == 0; };
+  while (isSpecial(size + spare)) spare += 272;
+  return spare;
+}
+
 }  // namespace
 
 VkFormat ToVulkan(Format format) {
@@ -66,13 +76,13 @@ void Buffer::Release() {
 
 Status Buffer::Allocate(uint64_t size) {
   const VolkDeviceTable& vk = context_->vk;
-  const uint64_t rounded = RoundUp(size);
-  if (rounded < size || rounded > context_->info.limits.maxBufferSize) {
+  const uint64_t rounded = RoundUp(size), spare = desc_.texels ? SpareBytes(rounded) : 0;
+  if (rounded < size || rounded + spare < size || rounded + spare > context_->info.limits.maxBufferSize) {
     return Error{"'" + desc_.name + "' needs " + BytesText(size) + ", more than one buffer of " + context_->info.name +
                  " can hold (" + BytesText(context_->info.limits.maxBufferSize) + ")"};
   }
   auto info = Struct<VkBufferCreateInfo>(VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO);
-  info.size = rounded;
+  info.size = rounded + spare;
   info.usage = kUsage;
   VkResult result = vk.vkCreateBuffer(context_->device, &info, nullptr, &handle_);
   if (result != VK_SUCCESS) {
@@ -93,6 +103,7 @@ Status Buffer::Allocate(uint64_t size) {
     return context_->Fail("vkBindBufferMemory", result);
   }
   size_ = rounded;
+  spare_ = spare;
   ++generation_;
   context_->Name(VK_OBJECT_TYPE_BUFFER, handle_, desc_.name);
   return {};
@@ -172,7 +183,8 @@ Status Buffer::Reserve(uint64_t size, uint64_t atMost) {
 
 Result<VkBufferView> Buffer::TexelView(Format format, uint64_t offset, uint64_t bytes) const {
   const DeviceLimits& limits = context_->info.limits;
-  const uint64_t range = bytes != 0 ? bytes : size_ - std::min(offset, size_);
+  uint64_t range = bytes != 0 ? bytes : size_ - std::min(offset, size_);
+  const bool isWithin = (range + spare_) / FormatBytes(format) <= limits.maxTexelBufferElements;
   if (range == 0 || offset > size_ || range > size_ - offset || offset % limits.texelBufferOffsetAlignment != 0 ||
       range % FormatBytes(format) != 0) {
     return Error{"a texel view of " + std::to_string(range) + " bytes at " + std::to_string(offset) + " does not fit '" +
@@ -182,6 +194,7 @@ Result<VkBufferView> Buffer::TexelView(Format format, uint64_t offset, uint64_t 
     return Error{"'" + desc_.name + "' holds " + std::to_string(range / FormatBytes(format)) + " texels; " +
                  context_->info.name + " can address " + std::to_string(limits.maxTexelBufferElements)};
   }
+  if (bytes == 0 && isWithin) range += spare_;
   for (const View& view : views_) {
     if (view.format == format && view.offset == offset && view.bytes == range) return VkBufferView{view.handle};
   }

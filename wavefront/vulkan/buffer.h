@@ -22,6 +22,7 @@ enum class MemoryLocation : uint8_t { DeviceLocal, HostVisible };
 
 // What one element of a texel-buffer view or a texel of an image is.
 enum class Format : uint8_t { R32Uint, R32Float, Rg32Uint, Rgba32Uint, Rgba32Float, Rgba8Unorm, Rgba16Float };
+constexpr bool IsUint(Format format) { return format == Format::R32Uint || format == Format::Rg32Uint || format == Format::Rgba32Uint; }
 uint32_t FormatBytes(Format format);
 
 struct BufferDesc {
@@ -29,6 +30,7 @@ struct BufferDesc {
   MemoryKind kind = MemoryKind::Other;
   MemoryLocation location = MemoryLocation::DeviceLocal;
   std::string name;  // for errors and debuggers
+  bool texels = false;  // kernels read it through texel views: a few spare bytes keep drivers from compiling by its size
 };
 
 // One thread at a time. The contents start as zeros: what a kernel reads before it is written does not depend on chance.
@@ -86,6 +88,7 @@ class Buffer {
   BufferDesc desc_;
   VkBuffer handle_ = nullptr;
   Memory memory_;
+  uint64_t spare_ = 0;  // bytes after size_
   uint64_t size_ = 0;
   uint64_t generation_ = 0;
   mutable std::vector<View> views_;

@@ -12,7 +12,7 @@
 namespace wavefront::vulkan {
 namespace {
 
-constexpr uint64_t kZeroBytes = 256;
+constexpr uint64_t kZeroBytes = 272;
 
 VkDescriptorType ToVulkan(DescriptorKind kind) {
   switch (kind) {
@@ -28,8 +28,6 @@ VkDescriptorType ToVulkan(DescriptorKind kind) {
 bool IsTexel(DescriptorKind kind) {
   return kind == DescriptorKind::TexelBufferUint || kind == DescriptorKind::TexelBufferFloat;
 }
-
-bool IsUint(Format format) { return format == Format::R32Uint || format == Format::Rg32Uint || format == Format::Rgba32Uint; }
 
 }  // namespace
 
@@ -71,7 +69,7 @@ Result<std::unique_ptr<PipelineLayout>> PipelineLayout::Create(Device& device, s
   }
   std::unique_ptr<PipelineLayout> layout(new PipelineLayout(device));
   layout->bindings_ = std::move(bindings);
-  auto zeros = Buffer::Create(device, {kZeroBytes, MemoryKind::Other, MemoryLocation::HostVisible, "zeros"});
+  auto zeros = Buffer::Create(device, {kZeroBytes, MemoryKind::Other, MemoryLocation::HostVisible, "zeros", true});
   if (!zeros) return zeros.error();
   layout->zeros_ = std::move(*zeros);
   const std::array<std::byte, kZeroBytes> nothing{};
@@ -137,14 +135,17 @@ Result<std::unique_ptr<DescriptorSet>> DescriptorSet::Create(Device& device, con
 }
 
 Status DescriptorSet::FillWithZeros() {
-  auto uintView = layout_.zeros().TexelView(Format::Rgba32Uint);
-  if (!uintView) return uintView.error();
-  auto floatView = layout_.zeros().TexelView(Format::Rgba32Float);
-  if (!floatView) return floatView.error();
   const VkDescriptorBufferInfo buffer{layout_.zeros().handle(), 0, VK_WHOLE_SIZE};
   for (const Binding& binding : layout_.bindings()) {
     if (binding.kind == DescriptorKind::SampledImage) continue;
-    const VkBufferView view = binding.kind == DescriptorKind::TexelBufferUint ? *uintView : *floatView;
+    VkBufferView view = nullptr;
+    if (IsTexel(binding.kind)) {
+      const bool isUint = binding.kind == DescriptorKind::TexelBufferUint;
+      const Format format = IsUint(binding.format) == isUint ? binding.format : Format::Rgba32Float;
+      auto made = layout_.zeros().TexelView(format);
+      if (!made) return made.error();
+      view = *made;
+    }
     auto write = Struct<VkWriteDescriptorSet>(VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET);
     write.dstSet = set_;
     write.dstBinding = binding.number;
@@ -209,6 +210,11 @@ Status DescriptorSet::WriteTexels(uint32_t number, const Buffer& buffer, Format 
   write.pTexelBufferView = &handle;
   context_->vk.vkUpdateDescriptorSets(context_->device, 1, &write, 0, nullptr);
   return {};
+}
+
+Status DescriptorSet::WriteTexels(uint32_t number, const Buffer& buffer) {
+  const Binding* binding = layout_.Find(number);
+  return WriteTexels(number, buffer, binding != nullptr ? binding->format : Format::Rgba32Uint);
 }
 
 Status DescriptorSet::WriteImage(uint32_t number, const Image& image, const Sampler& sampler, uint32_t element) {

@@ -29,6 +29,7 @@ struct Binding {
   uint32_t number = 0;
   DescriptorKind kind = DescriptorKind::StorageBuffer;
   uint32_t count = 1;  // array size
+  Format format = Format::Rgba32Uint;  // of a texel buffer, as kernels will find it
 };
 
 constexpr uint32_t kPushConstantBytes = 128;
@@ -75,6 +76,7 @@ class DescriptorSet {
   Status Write(uint32_t number, const Buffer& buffer, uint64_t offset = 0, uint64_t bytes = 0);
   // Texel buffer; the format's numeric type must be the binding's.
   Status WriteTexels(uint32_t number, const Buffer& buffer, Format format, uint64_t offset = 0, uint64_t bytes = 0);
+  Status WriteTexels(uint32_t number, const Buffer& buffer);  // all of it, in the format that the layout says
   Status WriteImage(uint32_t number, const Image& image, const Sampler& sampler, uint32_t element = 0);
 
   const PipelineLayout& layout() const { return layout_; }

@@ -79,6 +79,8 @@ def _cost(kernel: dict[str, Any]) -> list[str]:
     ]
     for statistic in kernel["driverStatistics"]:
         lines.append(f"driver: {statistic}")
+    if not kernel["driverStatistics"] and kernel["state"] == "ready":
+        lines.append("driver: tells nothing of its code (no VK_KHR_pipeline_executable_properties)")
     if kernel["paths"]:
         lines.append(
             f"render: {kernel['nanosecondsPerPath']:.0f} ns a path, {kernel['paths']} paths, "
