@@ -29,19 +29,13 @@ struct PatternUv {
   float footprint;      // width of the ray cone, in units of uv
 };
 PatternUv patternUv(ShadingPoint sp, uint slot, vec2 fallback) {
-  PatternUv result = PatternUv(fallback, vec2(0.0), vec2(0.0), 0.0);
   uvec4 descriptor = primvarDescriptor(sp, slot);
-  if (descriptor.x == kNoStream) return result;
-  uvec3 element = primvarElements(sp, descriptor);
-  int second = (descriptor.z >> 8) >= 2u ? 1 : 0;  // a float primvar read as a vector repeats
-  result.uv = vec2(0.0);
-  [[dont_unroll]] for (uint corner = 0u; corner < 3u; ++corner) {
-    int at = int(element[corner]);
-    vec2 value = vec2(texelFetch(primvarStream, at).x, texelFetch(primvarStream, at + second).x);
-    result.uv += barycentricWeight(sp.barycentric, corner) * value;
-    if (corner != 2u) result.along1 += corner == 1u ? value : -value;
-    if (corner != 1u) result.along2 += corner == 2u ? value : -value;
-  }
+  uint components = descriptor.z >> 8;
+  uvec3 e = primvarElements(sp, descriptor);
+  vec2 uv0 = primvarElement2(e.x, components), uv1 = primvarElement2(e.y, components), uv2 = primvarElement2(e.z, components);
+  vec3 w = barycentricWeights(sp.barycentric);
+  bool exists = descriptor.x != kNoStream;
+  PatternUv result = PatternUv(exists ? w.x * uv0 + w.y * uv1 + w.z * uv2 : fallback, uv1 - uv0, uv2 - uv0, 0.0);
   float uvArea = abs(result.along1.x * result.along2.y - result.along1.y * result.along2.x);
   float area = length(cross(gEdge1World, gEdge2World));
   result.footprint = area > 0.0 ? sp.footprint * sqrt(uvArea / area) : 0.0;
