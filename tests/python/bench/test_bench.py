@@ -16,7 +16,7 @@ from hdwavefront.bench.measure import GROUPS, Reading, Spread, group_of
 from hdwavefront.bench.paper import PAPER
 from hdwavefront.bench.peers import compare, flat
 from hdwavefront.bench.runner import Clock, Outcome, run_task
-from hdwavefront.bench.scene_bench import remarks, summary
+from hdwavefront.bench.scene_bench import brief, remarks, summary
 from hdwavefront.bench.scenes import SCENES, sweep_scene
 from hdwavefront.bench.worker import Task
 from hdwavefront.cli.main import main
@@ -73,6 +73,7 @@ def test_a_scene_says_its_gain_beside_the_papers() -> None:
     result = summary("carpaint", outcome_of(3.0, 2.0))
     assert result is not None
     assert (result["name"], result["gain"], result["identical"]) == ("carpaint", 0.5, True)
+    assert brief(result) == "wavefront 3 Mpaths/s, megakernel 2, gain +50 %"
     assert result["wavefront"]["mpathsPerSecond"] == 3.0 and result["megakernel"]["mpathsPerSecond"] == 2.0
     line = tables.scene_table([result], on_processor=True).splitlines()[2]
     cells = [cell.strip() for cell in line.strip("|").split("|")]
@@ -259,7 +260,8 @@ def test_mitsuba_renders_the_same_scene(tmp_path: Path, capfd: pytest.CaptureFix
     assert main(arguments) == 0
     (row,) = json.loads(file.read_text())["peers"]
     assert row["ours"]["relMse"] > 0 and row["theirs"]["relMse"] > 0 and row["ratio"] > 0
-    assert 0.1 < row["theirs"]["brightness"] < 3.0
+    # The same light on the same shapes; the paint is plainer there.
+    assert row["theirs"]["brightness"] == pytest.approx(row["ours"]["brightness"], rel=0.25)
     assert "| carpaint | mitsuba scalar_rgb |" in capfd.readouterr().out
 
 

@@ -31,6 +31,14 @@ def summary(name: str, outcome: Outcome) -> dict[str, Any] | None:
     return result
 
 
+def brief(result: dict[str, Any]) -> str:
+    """A line for those who wait."""
+    text = f"wavefront {result['wavefront']['mpathsPerSecond']:.3g} Mpaths/s"
+    if result["megakernel"]:
+        text += f", megakernel {result['megakernel']['mpathsPerSecond']:.3g}, gain {result['gain'] * 100:+.0f} %"
+    return text
+
+
 def remarks(name: str, outcome: Outcome) -> list[str]:
     """What is missing, and why."""
     lines = [f"{name}: no {mode}: {why}" for mode, why in outcome.why_not.items()]

@@ -252,7 +252,7 @@ def run_sweep(
     rows: list[dict[str, Any]] = []
     per_cost, fixed = 0.0, 8.0
     for step in sweep.steps(quick, device):
-        foreseen = max(fixed, per_cost * step.cost)
+        foreseen = fixed + per_cost * step.cost
         if step.leave_out:
             say(f"  {sweep.name} {step.label}: left out: {step.leave_out}")
             continue
@@ -267,7 +267,8 @@ def run_sweep(
             continue
         outcome = run_task(step.task, min(clock.left, 900.0))
         row = row_of(step, outcome, on_processor)
-        per_cost = outcome.seconds / step.cost
+        # Starting the process and the device costs the same each time.
+        per_cost = max(outcome.seconds - fixed, 1.0) / step.cost
         if outcome.error or row is None:
             why = outcome.error or ("its time was over" if outcome.timed_out else "nothing was measured")
             say(f"  {sweep.name} {step.label}: no result: {why}")

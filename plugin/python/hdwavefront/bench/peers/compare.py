@@ -66,11 +66,13 @@ def _own(scene: Scene, width: int, samples: int, device: str) -> dict[str, Any]:
 
 def _efficiency(pictures: list[Any], cpu: float, wall: float, samples: int) -> dict[str, Any]:
     noise = relative_mse(pictures[0], pictures[1])
+    brightness = float(np.mean([p[..., :3] for p in pictures]))
     return {
         "relMse": noise,
         "cpuSeconds": cpu,
         "wallSeconds": wall,
         "samples": samples,
+        "brightness": brightness,
         "efficiency": 1 / (noise * cpu),
     }
 
@@ -125,5 +127,4 @@ def compare(
     cpu, wall = (float(np.mean([p[key] for p in pictures])) for key in ("cpu", "wall"))
     images = [np.load(p["file"]) for p in pictures]
     theirs = _efficiency(images, cpu, wall, samples)
-    theirs["brightness"] = float(np.mean(images[0]))
     return {**result, "theirs": theirs, "ratio": ours["efficiency"] / theirs["efficiency"]}

@@ -62,10 +62,10 @@ def materials(folder: str, count: int, topologies: int, operations: int) -> Scen
     ball = ellipsoid((1, 1, 1), 6, 10)
     # A stride that has no common divisor with the number of bodies: neighbours differ.
     owner = (np.arange(len(places)) * 397) % len(places) % count
-    for i in range(count):
-        path = b.material(f"m{i}", _material(i, i % topologies, octaves))
-        bodies = [ball.scaled([radii[k]] * 3).moved(places[k]) for k in np.flatnonzero(owner == i)]
-        b.mesh(f"Bodies/b{i}", merge(bodies), path)
+    paths = [b.material(f"m{i}", _material(i, i % topologies, octaves)) for i in range(count)]
+    # A mesh for each body, so that rays meet the same geometry whatever the count.
+    for k, i in enumerate(owner):
+        b.mesh(f"Bodies/b{k}", ball.scaled([radii[k]] * 3).moved(places[k]), paths[i])
     _sky(b)
     b.camera((0, 19, 19), (0, 0, 1.5), 22.0)
     return b.finish(maxBounces=4)
