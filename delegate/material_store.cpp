@@ -160,6 +160,9 @@ void MaterialStore::RegisterKernel(const Material& material) {
   const std::shared_ptr<const materialgen::KernelSource> source = material.compiled.kernel;
   known->second.source = source;
   known->second.generateMilliseconds = material.generateMilliseconds;
+  for (const std::string* entry : {&source->surface, &source->opacity, &source->emission})
+    for (const char* value : {"frameNumber()", "frameSeconds()"})
+      followsFrame_ = followsFrame_ || entry->find(value) != std::string::npos;
   ++compiled_;
   wavefront::MaterialKernelData data;
   data.key = source->key;

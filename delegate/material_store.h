@@ -48,6 +48,8 @@ class MaterialStore {
   // prims that author no displayOpacity the opacity kernel; the other is for those that do.
   void NeedDefault();
   wavefront::MaterialId TranslucentDefault();
+  // A kernel met so far asks for the frame or the time: their change is one of the picture.
+  bool followsFrame() const { return followsFrame_; }
   uint64_t idVersion() const { return idVersion_; }  // grows when a path's id changes
   uint64_t generated() const { return generated_; }
   uint64_t uploaded() const { return uploaded_; }
@@ -101,6 +103,7 @@ class MaterialStore {
   std::vector<std::unique_ptr<Material>> removed_;
   std::vector<wavefront::MaterialId> garbage_;
   std::map<std::string, Kernel> kernels_;
+  bool followsFrame_ = false;
   DisplacementKernels displacementKernels_;
   Material default_, translucentDefault_;
   uint64_t textureVersion_ = 0, idVersion_ = 1, generated_ = 0, uploaded_ = 0, compiled_ = 0;

@@ -256,6 +256,7 @@ uint32_t RenderDelegate::GetRenderSettingsVersion() const {
 wavefront::Status RenderDelegate::CommitResources() {
   Impl& impl = *impl_;
   GprimStore::What what;
+  wavefront::RenderSettings settings;
   bool sceneLights;
   {
     std::lock_guard lock(impl.mutex);
@@ -275,16 +276,11 @@ wavefront::Status RenderDelegate::CommitResources() {
       impl.sentCamera = data;
       ++impl.counters.camerasUploaded;
     }
-    wavefront::RenderSettings settings;
     impl.settings.FillInto(settings);
     settings.width = impl.width;
     settings.height = impl.height;
     settings.aovs = impl.aovs;
     settings.primvarAovs = impl.primvarAovs;
-    if (!impl.sentSettings || !Same(*impl.sentSettings, settings)) {
-      renderer_->SetRenderSettings(settings);
-      impl.sentSettings = settings;
-    }
     what.renderTags = impl.renderTags;
     what.sceneMaterials = impl.settings.Bool("enableSceneMaterials");
     what.displacementTriangles = static_cast<uint64_t>(impl.settings.Int("displacementTriangles"));
@@ -292,6 +288,14 @@ wavefront::Status RenderDelegate::CommitResources() {
     impl.materials.SetOptions({.diffuseSubsurface = !impl.settings.Bool("subsurfaceRandomWalk")});
   }
   impl.materials.Commit();
+  if (!impl.materials.followsFrame()) {  // another frame restarts nothing where no material asks for it
+    settings.frame = wavefront::RenderSettings().frame;
+    settings.time = wavefront::RenderSettings().time;
+  }
+  if (!impl.sentSettings || !Same(*impl.sentSettings, settings)) {
+    renderer_->SetRenderSettings(settings);
+    impl.sentSettings = settings;
+  }
   impl.gprims.Commit(what);
   impl.lights.Commit(sceneLights);
   impl.instancers.Forget();

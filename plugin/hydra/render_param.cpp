@@ -3,6 +3,7 @@
 #include "plugin/hydra/render_param.h"
 
 #include <pxr/base/tf/diagnostic.h>
+#include <pxr/base/tf/pathUtils.h>
 #include <pxr/base/work/loops.h>
 
 #include "delegate/texture_tiles.h"
@@ -62,7 +63,10 @@ void RenderParam::LoadTiles(const delegate::TextureLoadRequest& request) {
     if (!status) Report(wavefront::Severity::Warning, "texture-failed", SdfPath(request.location), status.error().message);
   };
   if (tiles.empty()) {
-    const std::string why = files.empty() ? "no tile of the pattern exists." : "no tile can be used (" + reasons + ").";
+    std::string why = files.empty() ? "no tile of the pattern exists." : "no tile can be used (" + reasons + ").";
+    // UsdImaging anchors some patterns to the layers that author them, others it hands over as they are authored.
+    if (files.empty() && TfIsRelativePath(request.texture.resolvedPath))
+      why += " Its path is relative, and this host did not anchor it to its layer.";
     check(core_->SetTextureMissing(request.key, why));
     return;
   }

@@ -110,8 +110,18 @@ std::string RenderPass::SyncCamera(const Wish& wish) const {
   return PassCamera().GetString();
 }
 
+// What a user sets counts until the host shows another frame.
+void RenderPass::FollowHost() {
+  const std::optional<HostTime> time = ReadHostTime(*GetRenderIndex());
+  if (!time || time == time_) return;
+  time_ = time;
+  owner_->SetRenderSetting(TfToken("wavefront:frame"), VtValue(time->frame));
+  owner_->SetRenderSetting(TfToken("wavefront:time"), VtValue(time->seconds));
+}
+
 void RenderPass::_Execute(const HdRenderPassStateSharedPtr& renderPassState, const TfTokenVector& renderTags) {
   RenderParam& param = owner_->param();
+  FollowHost();
   const bool edited = param.TakeEdited();
   if (edited) owner_->FirstShot();
   const std::optional<Shot> shot = owner_->CurrentShot();

@@ -8,6 +8,7 @@
 
 #include "plugin/hydra/convert_camera.h"
 #include "plugin/hydra/hd_compat.h"
+#include "plugin/hydra/host_time.h"
 #include "plugin/hydra/products.h"
 
 namespace hydra {
@@ -38,6 +39,7 @@ class RenderPass final : public HdRenderPass {
     std::vector<std::string> aovs;  // tokens
     bool operator==(const Wish&) const = default;
   };
+  void FollowHost();  // its frame becomes the settings of that name
   Wish ReadState(const HdRenderPassState& state, const TfTokenVector& renderTags) const;
   void Look(const ProductView& view, const SdfPath& product, Wish& wish) const;
   // What the bindings and the shot's products ask for by token, each once, sorted; what is not rendered is told of.
@@ -49,6 +51,7 @@ class RenderPass final : public HdRenderPass {
 
   RenderDelegate* owner_;
   std::optional<Wish> last_;
+  std::optional<HostTime> time_;
 };
 
 }  // namespace hydra

@@ -37,9 +37,24 @@ VtDictionary ToStats(const RenderParam& param) {
   d["peakMemory"] = VtValue(peak);
   d["gpuMemoryUsed"] = VtValue(memory);
   d["huskErrorStatus"] = VtValue(param.HasFailed() ? 1 : 0);
-  for (const wavefront::KernelStats& kernel : stats.kernels)
+  for (const wavefront::KernelStats& kernel : stats.kernels) {
     d["kernel:" + kernel.name + ":ms"] = VtValue(kernel.milliseconds);
-  for (const wavefront::QueueStats& queue : stats.queues) d["queue:" + queue.name + ":peak"] = VtValue(queue.peak);
+    d["kernel:" + kernel.name + ":items"] = VtValue(kernel.items);
+  }
+  // Materials of one topology share a kernel: its time is that of all of them together.
+  for (const delegate::RenderDelegate::KernelUse& use : core.kernelUses())
+    for (const std::string& path : use.materials) {
+      const std::string name = "material:" + path + ":";
+      d[name + "kernel"] = VtValue(use.key);
+      d[name + "ms"] = VtValue(use.milliseconds);
+      d[name + "paths"] = VtValue(use.paths);
+      d[name + "nsPerPath"] = VtValue(use.nanosecondsPerPath);
+      d[name + "share"] = VtValue(use.share);
+    }
+  for (const wavefront::QueueStats& queue : stats.queues) {
+    d["queue:" + queue.name + ":peak"] = VtValue(queue.peak);
+    d["queue:" + queue.name + ":items"] = VtValue(queue.items);
+  }
   return d;
 }
 

@@ -9,6 +9,7 @@
 #include <map>
 #include <random>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "delegate/render_delegate.h"
@@ -54,6 +55,7 @@ struct ScenePrim {
     if (kind == PrimKind::Implicit) return {implicit.instancer.value_or(""), implicit.prototype.value_or(0)};
     return {};
   }
+  bool isGprim() const { return kind == PrimKind::Mesh || kind == PrimKind::Implicit; }
   delegate::GprimUpdate& gprim() { return kind == PrimKind::Mesh ? static_cast<delegate::GprimUpdate&>(mesh) : implicit; }
 };
 
@@ -64,6 +66,18 @@ struct Scene {
   std::vector<std::string> aovs;  // tokens
   std::map<std::string, delegate::SettingValue> settings;
 };
+
+// One sample. (A helper, not braces: GCC 12 breaks on nested ones here.)
+template <typename T>
+delegate::TimeSamples<T> Still(T value) {
+  delegate::TimeSamples<T> samples(1);
+  samples[0].value = std::move(value);
+  return samples;
+}
+
+// Every scene has these materials, each with one of so many networks (EditScript::Network).
+inline const std::vector<std::string> kSceneMaterials{"/looks/plain", "/looks/wood", "/looks/lamp", "/looks/veil"};
+constexpr uint32_t kSceneNetworks = 5;
 
 // The image behind a resolved path: a few texels that depend on the path only.
 wavefront::TextureData SceneTexture(const std::string& resolvedPath);

@@ -166,7 +166,7 @@ class FakeRenderer : public wavefront::Renderer {
 };
 
 // One kernel for each surface identifier; parameters: "value" of the surface node, and one texel per "file".
-// Identifiers that begin with "unknown" are not supported.
+// Identifiers that begin with "unknown" are not supported; those that begin with "frame" ask for the frame.
 class FakeGenerator : public materialgen::Generator {
  public:
   bool Supports(const materialgen::MaterialNetwork& network, std::string* unsupported) const override {
@@ -231,6 +231,7 @@ class FakeGenerator : public materialgen::Generator {
     auto source = std::make_shared<materialgen::KernelSource>();
     source->key = key;
     source->surface = key == "broken" ? "nonsense" : "#version 460\nlayout(local_size_x = 1) in;\nvoid main() {}\n";
+    if (key.starts_with("frame")) source->surface += "// frameNumber()\n";
     return source;
   }
 };

@@ -9,7 +9,6 @@
 #include <random>
 #include <thread>
 
-#include "delegate/colour/color_kernel.h"
 #include "tests/delegate/fakes.h"
 
 namespace {
@@ -185,119 +184,6 @@ TEST(RenderDelegate, MaterialsThatAreNotThereShowTheDefault) {
   ASSERT_TRUE(f.delegate->SetRenderSetting("enableSceneMaterials", false).ok());
   f.Commit();
   EXPECT_EQ(f.renderer->InstancesOf("/mesh").materials[0], kInvalidId);
-}
-
-wavefront::TextureData Texel() {
-  wavefront::TextureData data;
-  data.width = data.height = 1;
-  data.texels = {1, 2, 3, 4};
-  return data;
-}
-
-TEST(RenderDelegate, EachImageIsAskedForOnce) {
-  Fixture f;
-  f.delegate->Sync("/a", Universal(Network("/a", "surface", 0, "/wood.png")));
-  f.delegate->Sync("/b", Universal(Network("/b", "surface", 1, "/wood.png")));
-  auto data = Network("/c", "surface", 2, "/wood.png");
-  data.nodes[1].parameters["sourceColorSpace"] = std::string("raw");
-  f.delegate->Sync("/c", Universal(data));
-  delegate::LightUpdate dome;
-  dome.params.emplace();
-  dome.params->type = "DomeLight";
-  dome.params->texture = {"sky.exr", "/sky.exr", ""};
-  f.delegate->Sync("/dome", dome);
-  auto pending = f.delegate->PendingTextures();
-  ASSERT_EQ(pending.size(), 3u);
-  EXPECT_EQ(pending[0].texture.resolvedPath, "/sky.exr");
-  EXPECT_EQ(pending[0].location, "/dome");
-  EXPECT_EQ(pending[1].texture.resolvedPath, "/wood.png");
-  EXPECT_EQ(pending[1].location, "/a/texture");
-  EXPECT_EQ(pending[2].texture.colorSpace, "raw");
-  for (const auto& request : pending) ASSERT_TRUE(f.delegate->SetTexture(request.key, Texel()).ok());
-  EXPECT_TRUE(f.delegate->PendingTextures().empty());
-  f.Commit();
-  EXPECT_EQ(f.renderer->textures.size(), 3u);
-  const auto idOf = [&](const std::string& path) {
-    return std::bit_cast<uint32_t>(f.renderer->MaterialOf(path)->parameters[1].x);
-  };
-  EXPECT_EQ(idOf("/a"), idOf("/b"));
-  EXPECT_NE(idOf("/a"), idOf("/c"));
-  EXPECT_TRUE(f.renderer->textures.count(idOf("/a")));
-  EXPECT_TRUE(f.renderer->textures.count(f.renderer->lights.begin()->second.texture));
-
-  // An edit of a value keeps the image; the last user gone, it goes.
-  f.delegate->Sync("/a", Universal(Network("/a", "surface", 9, "/wood.png")));
-  EXPECT_TRUE(f.delegate->PendingTextures().empty());
-  f.Commit();
-  EXPECT_EQ(f.renderer->textures.size(), 3u);
-  for (const char* path : {"/a", "/b", "/dome"}) f.delegate->DestroySprim(path);
-  f.Commit();
-  EXPECT_EQ(f.renderer->textures.size(), 1u);
-  EXPECT_EQ(f.delegate->counters().texturesUploaded, 3u);
-}
-
-TEST(RenderDelegate, TilesOfAPatternAreOneTexture) {
-  Fixture f;
-  f.delegate->Sync("/a", Universal(Network("/a", "surface", 0, "/t.<UDIM>.png")));
-  delegate::LightUpdate dome;
-  dome.params.emplace();
-  dome.params->type = "DomeLight";
-  dome.params->texture = {"t.<UDIM>.png", "/t.<UDIM>.png", ""};
-  f.delegate->Sync("/dome", dome);
-  const auto pending = f.delegate->PendingTextures();
-  ASSERT_EQ(pending.size(), 1u);
-  const uint32_t key = pending[0].key;
-  EXPECT_FALSE(f.delegate->SetTextureTiles(key, {}).ok());
-  EXPECT_FALSE(f.delegate->SetTextureTiles(key, {{1000, Texel()}}).ok());
-  for (int round = 0; round < 2; ++round) {  // the second set replaces the first
-    ASSERT_TRUE(f.delegate->SetTextureTiles(key, {{1001, Texel()}, {1012, Texel()}}).ok());
-    EXPECT_TRUE(f.delegate->PendingTextures().empty());
-    f.Commit();
-    EXPECT_EQ(f.renderer->textures.size(), 3u);  // the tiles and the set
-    const uint32_t id = std::bit_cast<uint32_t>(f.renderer->MaterialOf("/a")->parameters[1].x);
-    ASSERT_TRUE(f.renderer->tileSets.count(id));
-    const auto& tiles = f.renderer->tileSets[id];
-    ASSERT_EQ(tiles.size(), 2u);
-    EXPECT_EQ(tiles[1].udim, 1012u);
-    EXPECT_TRUE(f.renderer->textures.count(tiles[1].texture));
-  }
-  // A light reads no tiles.
-  EXPECT_EQ(f.renderer->lights.begin()->second.texture, wavefront::kInvalidId);
-  const auto told = f.delegate->diagnostics();
-  ASSERT_EQ(told.size(), 1u);
-  EXPECT_EQ(told[0].code, "texture-missing");
-  EXPECT_EQ(told[0].location, "/dome");
-  f.delegate->DestroySprim("/a");
-  f.Commit();
-  EXPECT_TRUE(f.renderer->textures.empty());
-}
-
-TEST(RenderDelegate, MissingImagesLeaveTheFallbackAndSaySo) {
-  Fixture f;
-  auto unresolved = Network("/a", "surface", 0, "gone.png");
-  unresolved.nodes[1].parameters["file"] = materialgen::AssetValue{"gone.png", "", ""};
-  f.delegate->Sync("/a", Universal(unresolved));
-  f.delegate->Sync("/b", Universal(Network("/b", "surface", 0, "/broken.png")));
-  const auto pending = f.delegate->PendingTextures();
-  ASSERT_EQ(pending.size(), 1u);
-  ASSERT_TRUE(f.delegate->SetTextureMissing(pending[0].key, "it is no image.").ok());
-  f.Commit();
-  for (const char* path : {"/a", "/b"})
-    EXPECT_EQ(std::bit_cast<uint32_t>(f.renderer->MaterialOf(path)->parameters[1].x), 0xffffffffu);
-  const auto told = f.delegate->diagnostics();
-  ASSERT_EQ(told.size(), 2u);
-  EXPECT_EQ(told[0].location, "/a/texture");
-  EXPECT_NE(told[0].message.find("gone.png"), std::string::npos);
-  EXPECT_EQ(told[1].location, "/b/texture");
-  EXPECT_NE(told[1].message.find("it is no image."), std::string::npos);
-  EXPECT_FALSE(f.delegate->SetTexture(4711, Texel()).ok());
-  wavefront::TextureData wrong = Texel();
-  wrong.width = 2;
-  EXPECT_FALSE(f.delegate->SetTexture(pending[0].key, wrong).ok());
-  // The file is mended later.
-  ASSERT_TRUE(f.delegate->SetTexture(pending[0].key, Texel()).ok());
-  f.Commit();
-  EXPECT_NE(std::bit_cast<uint32_t>(f.renderer->MaterialOf("/b")->parameters[1].x), 0xffffffffu);
 }
 
 TEST(RenderDelegate, VisibilityAndRenderTagsDecideWhatIsDrawn) {
@@ -544,63 +430,6 @@ TEST(RenderDelegate, WhatCannotBeRenderedIsAnError) {
   EXPECT_FALSE(f.delegate->CreateRprim("basisCurves", "/c").ok());
   EXPECT_FALSE(f.delegate->CreateSprim("portalLight", "/p").ok());
   EXPECT_TRUE(f.delegate->CreateSprim("domeLight", "/d").ok());
-}
-
-TEST(RenderSettings, RowsReachTheCoreAndBumpTheVersionOnChange) {
-  Fixture f;
-  const uint32_t version = f.delegate->GetRenderSettingsVersion();
-  EXPECT_FALSE(f.delegate->SetRenderSetting("samples", int64_t{64}).value());
-  EXPECT_EQ(f.delegate->GetRenderSettingsVersion(), version);
-  EXPECT_TRUE(f.delegate->SetRenderSetting("convergedSamplesPerPixel", int64_t{7}).value());
-  EXPECT_TRUE(f.delegate->SetRenderSetting("maxBounces", 3.0).value());
-  EXPECT_TRUE(f.delegate->SetRenderSetting("enableShadows", int64_t{0}).value());
-  EXPECT_EQ(f.delegate->GetRenderSettingsVersion(), version + 3);
-  EXPECT_FALSE(f.delegate->SetRenderSetting("nonsense", int64_t{1}).ok());
-  EXPECT_FALSE(f.delegate->SetRenderSetting("samples", int64_t{0}).ok());
-  EXPECT_FALSE(f.delegate->SetRenderSetting("samples", 1.5).ok());
-  EXPECT_FALSE(f.delegate->SetRenderSetting("samples", true).ok());
-  EXPECT_FALSE(f.delegate->SetRenderSetting("radianceClamp", std::nan("")).ok());
-  f.Commit();
-  EXPECT_EQ(f.renderer->settings->samples, 7u);
-  EXPECT_EQ(f.renderer->settings->maxBounces, 3u);
-  EXPECT_FALSE(f.renderer->settings->shadows);
-  EXPECT_EQ(f.renderer->settings->width, 64u);
-  std::set<std::string_view> tokens;
-  for (const auto& info : delegate::RenderSettingInfos()) {
-    EXPECT_TRUE(tokens.insert(info.token).second);
-    EXPECT_FALSE(info.doc.empty());
-  }
-}
-
-TEST(ColorKernel, SamplersAreFoundByTheTextsLayout) {
-  const std::string glsl =
-      "layout(set=0, binding = 1) uniform sampler1D lut_aSampler; \n"
-      "layout(set=0, binding=12) uniform sampler3D lut_b;\n";
-  EXPECT_EQ(delegate::FindSamplerBinding(glsl, "lut_aSampler"), 1u);
-  EXPECT_EQ(delegate::FindSamplerBinding(glsl, "lut_b"), 12u);
-  EXPECT_FALSE(delegate::FindSamplerBinding(glsl, "lut_a"));
-  EXPECT_FALSE(delegate::FindSamplerBinding(glsl, "lut_b;x"));
-  EXPECT_FALSE(delegate::FindSamplerBinding("layout(" + std::string(1'000'000, 'x'), "lut_b"));
-}
-
-TEST(ColorKernel, BadShadersAreErrors) {
-  delegate_test::FakeRenderer renderer;
-  std::vector<float> pixels(2 * 3 * 4, 0.5f);
-  delegate::ColorShader shader;
-  shader.glsl = "vec4 f(vec4 c) { return 2.0 * c; }";
-  shader.function = "f";
-  EXPECT_TRUE(delegate::RunColorShader(renderer, shader, pixels, 2, 3).ok());
-  EXPECT_GT(renderer.colorKernelWords, 0u);
-  EXPECT_FALSE(delegate::RunColorShader(renderer, shader, pixels, 3, 3).ok());
-  shader.luts.push_back({"nowhere", 1, 2, 1, 1, 1, true, {0, 1}, 0});
-  EXPECT_FALSE(delegate::RunColorShader(renderer, shader, pixels, 2, 3).ok());
-  shader.luts.clear();
-  shader.function = "f); discard(";
-  EXPECT_FALSE(delegate::RunColorShader(renderer, shader, pixels, 2, 3).ok());
-  shader.function = "g";
-  const auto status = delegate::RunColorShader(renderer, shader, pixels, 2, 3);
-  ASSERT_FALSE(status.ok());
-  EXPECT_NE(status.error().message.find("g"), std::string::npos);
 }
 
 }  // namespace

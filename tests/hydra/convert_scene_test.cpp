@@ -232,6 +232,12 @@ HdRenderSettings::RenderProduct RawProduct(const char* name) {
   return product;
 }
 
+std::vector<std::string> CodesOf(const ConvertedProducts& converted) {
+  std::vector<std::string> codes;
+  for (const auto& [path, code, text] : converted.messages) codes.push_back(code);
+  return codes;
+}
+
 TEST(Products, FramingAndAovs) {
   auto raw = RawProduct("a.exr");
   raw.dataWindowNDC = GfRange2f(GfVec2f(0.5, 0), GfVec2f(1, 1));
@@ -248,7 +254,33 @@ TEST(Products, WhatCannotBeWrittenIsTold) {
   deep.type = TfToken("deepRaster");
   const ConvertedProducts converted = ToProducts({RawProduct("a.png"), deep, RawProduct("")});
   EXPECT_THAT(converted.products, IsEmpty());
-  EXPECT_EQ(converted.messages.size(), 3u);
+  EXPECT_THAT(CodesOf(converted),
+              ElementsAre("render-product-format", "render-product-type", "render-product-name"));
+}
+
+TEST(Products, EachVarIsRenderedOnceAndUnknownOnesAreTold) {
+  auto raw = RawProduct("a.exr");
+  raw.renderVars.resize(4);
+  raw.renderVars[2].sourceName = "color";  // Ci by another name
+  raw.renderVars[3].sourceName = "unheardOf";
+  const ConvertedProducts converted = ToProducts({raw});
+  ASSERT_EQ(converted.products.size(), 1u);
+  EXPECT_THAT(converted.products[0].aovs, ElementsAre("color", "depth"));
+  EXPECT_THAT(CodesOf(converted), ElementsAre("render-var-unsupported"));
+  raw.renderVars.erase(raw.renderVars.begin(), raw.renderVars.begin() + 3);
+  const ConvertedProducts empty = ToProducts({raw});
+  EXPECT_THAT(empty.products, IsEmpty());
+  EXPECT_THAT(CodesOf(empty), ElementsAre("render-var-unsupported", "render-product-empty"));
+}
+
+TEST(Products, PolicyAndPixelsComeFromTheProduct) {
+  auto raw = RawProduct("a.exr");
+  EXPECT_EQ(ToProducts({raw}).products[0].view.policy, delegate::ConformPolicy::Fit);
+  raw.aspectRatioConformPolicy = TfToken("cropAperture");
+  raw.pixelAspectRatio = 2;
+  const ProductView view = ToProducts({raw}).products[0].view;
+  EXPECT_EQ(view.policy, delegate::ConformPolicy::Crop);
+  EXPECT_EQ(view.framing.pixelAspectRatio, 2);
 }
 
 TEST(Products, EachHasItsOwnViewAndEqualViewsShareARender) {
@@ -286,7 +318,7 @@ TEST(Products, AProductsOwnSettingsAreToldOf) {
   auto raw = RawProduct("a.exr");
   raw.namespacedSettings["wavefront:samples"] = VtValue(4);
   raw.namespacedSettings["ri:samples"] = VtValue(4);
-  EXPECT_EQ(ToProducts({raw}).messages.size(), 1u);
+  EXPECT_THAT(CodesOf(ToProducts({raw})), ElementsAre("render-product-setting"));
 }
 
 TEST(ExrWriter, ErrorsAreOneSentence) {

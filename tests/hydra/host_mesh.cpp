@@ -3,12 +3,19 @@
 #include "tests/hydra/host_mesh.h"
 
 #include <pxr/base/gf/matrix4d.h>
-#include <pxr/imaging/geomUtil/capsuleMeshGenerator.h>
-#include <pxr/imaging/geomUtil/coneMeshGenerator.h>
-#include <pxr/imaging/geomUtil/cuboidMeshGenerator.h>
-#include <pxr/imaging/geomUtil/cylinderMeshGenerator.h>
-#include <pxr/imaging/geomUtil/sphereMeshGenerator.h>
-#include <pxr/imaging/pxOsd/tokens.h>
+#include <pxr/usd/usd/attribute.h>
+#include <pxr/usd/usd/prim.h>
+#include <pxr/usd/usd/stage.h>
+#include <pxr/usdImaging/usdImaging/adapterRegistry.h>
+#include <pxr/usdImaging/usdImaging/capsuleAdapter.h>
+#include <pxr/usdImaging/usdImaging/coneAdapter.h>
+#include <pxr/usdImaging/usdImaging/cubeAdapter.h>
+#include <pxr/usdImaging/usdImaging/cylinderAdapter.h>
+#include <pxr/usdImaging/usdImaging/planeAdapter.h>
+#include <pxr/usdImaging/usdImaging/sphereAdapter.h>
+
+#include <memory>
+#include <stdexcept>
 
 namespace hydra_test {
 namespace {
@@ -16,66 +23,58 @@ namespace {
 using delegate::ImplicitInput;
 using delegate::ImplicitShape;
 
-GfMatrix4d Spine(const std::string& axis) {
-  GfMatrix4d m(1);
-  const int spine = axis[0] - 'X';
-  for (int row = 0; row < 3; ++row) m.SetRow3(row, GfVec3d::Axis(static_cast<size_t>(spine + 1 + row) % 3));
-  return m;
+const char* SchemaOf(const ImplicitInput& s) {
+  const bool hasTwoRadii = s.radiusTop >= 0 || s.radiusBottom >= 0;
+  switch (s.shape) {
+    case ImplicitShape::Sphere: return "Sphere";
+    case ImplicitShape::Cube: return "Cube";
+    case ImplicitShape::Cone: return "Cone";
+    case ImplicitShape::Cylinder: return hasTwoRadii ? "Cylinder_1" : "Cylinder";
+    case ImplicitShape::Capsule: return hasTwoRadii ? "Capsule_1" : "Capsule";
+    case ImplicitShape::Plane: break;
+  }
+  return "Plane";
 }
 
-VtVec3fArray PlanePoints(float width, float length, const std::string& axis) {
-  const float w = 0.5f * width, l = 0.5f * length;
-  if (axis == "X") return {GfVec3f(0, l, w), GfVec3f(0, -l, w), GfVec3f(0, -l, -w), GfVec3f(0, l, -w)};
-  if (axis == "Y") return {GfVec3f(-w, 0, l), GfVec3f(w, 0, l), GfVec3f(w, 0, -l), GfVec3f(-w, 0, -l)};
-  return {GfVec3f(w, l, 0), GfVec3f(-w, l, 0), GfVec3f(-w, -l, 0), GfVec3f(w, -l, 0)};
-}
+struct ShapePrim {
+  UsdStageRefPtr stage = UsdStage::CreateInMemory();
+  UsdPrim prim;
+
+  explicit ShapePrim(const ImplicitInput& s) : prim(stage->DefinePrim(SdfPath("/shape"), TfToken(SchemaOf(s)))) {
+    const std::pair<const char*, double> sizes[] = {
+        {"size", s.size},     {"radius", s.radius}, {"radiusTop", s.radiusTop}, {"radiusBottom", s.radiusBottom},
+        {"height", s.height}, {"width", s.width},   {"length", s.length}};
+    for (const auto& [name, value] : sizes)
+      if (const UsdAttribute attribute = prim.GetAttribute(TfToken(name))) attribute.Set(value);
+    if (const UsdAttribute axis = prim.GetAttribute(TfToken("axis"))) axis.Set(TfToken(s.axis));
+  }
+
+  // What the adapter of the prim's schema makes of it. By qualified calls: where adapters keep their virtual functions
+  // depends on the version.
+  template <typename Adapter>
+  HostMesh Read() const {
+    const auto made = UsdImagingAdapterRegistry::GetInstance().ConstructAdapter(prim.GetTypeName());
+    if (!made) throw std::runtime_error("UsdImaging has no adapter for " + prim.GetTypeName().GetString());
+    const auto adapter = std::static_pointer_cast<Adapter>(made);
+    const VtValue topology = adapter->Adapter::GetTopology(prim, prim.GetPath(), UsdTimeCode::Default());
+    const VtValue points = adapter->Adapter::GetPoints(prim, UsdTimeCode::Default());
+    return {topology.Get<HdMeshTopology>(), points.Get<VtVec3fArray>()};
+  }
+};
 
 }  // namespace
 
-HdMeshTopology HostTopology(ImplicitShape shape) {
-  switch (shape) {
-    case ImplicitShape::Sphere: return HdMeshTopology(GeomUtilSphereMeshGenerator::GenerateTopology(10, 10));
-    case ImplicitShape::Cube: return HdMeshTopology(GeomUtilCuboidMeshGenerator::GenerateTopology());
-    case ImplicitShape::Cone: return HdMeshTopology(GeomUtilConeMeshGenerator::GenerateTopology(10));
-    case ImplicitShape::Cylinder: return HdMeshTopology(GeomUtilCylinderMeshGenerator::GenerateTopology(10));
-    case ImplicitShape::Capsule: return HdMeshTopology(GeomUtilCapsuleMeshGenerator::GenerateTopology(10, 4));
+HostMesh MeshOfHost(const ImplicitInput& shape) {
+  const ShapePrim prim(shape);
+  switch (shape.shape) {
+    case ImplicitShape::Sphere: return prim.Read<UsdImagingSphereAdapter>();
+    case ImplicitShape::Cube: return prim.Read<UsdImagingCubeAdapter>();
+    case ImplicitShape::Cone: return prim.Read<UsdImagingConeAdapter>();
+    case ImplicitShape::Cylinder: return prim.Read<UsdImagingCylinderAdapter>();
+    case ImplicitShape::Capsule: return prim.Read<UsdImagingCapsuleAdapter>();
     case ImplicitShape::Plane: break;
   }
-  return HdMeshTopology(PxOsdMeshTopology(PxOsdOpenSubdivTokens->bilinear, PxOsdOpenSubdivTokens->rightHanded, {4},
-                                          {0, 1, 2, 3}));
-}
-
-VtVec3fArray HostPoints(const ImplicitInput& s) {
-  const double bottom = s.radiusBottom >= 0 ? s.radiusBottom : s.radius;
-  const double top = s.radiusTop >= 0 ? s.radiusTop : s.radius;
-  const GfMatrix4d spine = Spine(s.axis);
-  VtVec3fArray points;
-  switch (s.shape) {
-    case ImplicitShape::Sphere:
-      points.resize(GeomUtilSphereMeshGenerator::ComputeNumPoints(10, 10));
-      GeomUtilSphereMeshGenerator::GeneratePoints(points.begin(), 10, 10, s.radius);
-      break;
-    case ImplicitShape::Cube:
-      points.resize(GeomUtilCuboidMeshGenerator::ComputeNumPoints());
-      GeomUtilCuboidMeshGenerator::GeneratePoints(points.begin(), s.size, s.size, s.size);
-      break;
-    case ImplicitShape::Cone:
-      points.resize(GeomUtilConeMeshGenerator::ComputeNumPoints(10));
-      GeomUtilConeMeshGenerator::GeneratePoints(points.begin(), 10, s.radius, s.height, &spine);
-      break;
-    case ImplicitShape::Cylinder:
-      points.resize(GeomUtilCylinderMeshGenerator::ComputeNumPoints(10));
-      GeomUtilCylinderMeshGenerator::GeneratePoints(points.begin(), 10, bottom, top, s.height, &spine);
-      break;
-    case ImplicitShape::Capsule:
-      points.resize(GeomUtilCapsuleMeshGenerator::ComputeNumPoints(10, 4));
-      GeomUtilCapsuleMeshGenerator::GeneratePoints(points.begin(), 10, 4, bottom, top, s.height, &spine);
-      break;
-    case ImplicitShape::Plane:
-      points = PlanePoints(static_cast<float>(s.width), static_cast<float>(s.length), s.axis);
-      break;
-  }
-  return points;
+  return prim.Read<UsdImagingPlaneAdapter>();
 }
 
 }  // namespace hydra_test

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the hdWavefront authors
-// The meshes that UsdImaging's adapters make of implicit shapes with scene-index mode off.
+// The meshes that UsdImaging makes of implicit shapes with scene-index mode off, asked of its own adapters.
 #pragma once
 
 #include <pxr/base/gf/vec3f.h>
@@ -14,7 +14,11 @@ namespace hydra_test {
 
 PXR_NAMESPACE_USING_DIRECTIVE
 
-HdMeshTopology HostTopology(delegate::ImplicitShape shape);
-VtVec3fArray HostPoints(const delegate::ImplicitInput& shape);
+struct HostMesh {
+  HdMeshTopology topology;
+  VtVec3fArray points;
+};
+
+HostMesh MeshOfHost(const delegate::ImplicitInput& shape);
 
 }  // namespace hydra_test

@@ -17,16 +17,12 @@ namespace {
 using delegate::ImplicitInput;
 using delegate::ImplicitShape;
 
-struct HostMesh {
+struct ShapeMesh : hydra_test::HostMesh {
   ImplicitShape shape = ImplicitShape::Sphere;
-  HdMeshTopology topology;
-  VtVec3fArray points;
   std::map<std::string, VtValue> attributes;
 
-  explicit HostMesh(const ImplicitInput& input)
-      : shape(input.shape),
-        topology(hydra_test::HostTopology(input.shape)),
-        points(hydra_test::HostPoints(input)) {}
+  explicit ShapeMesh(const ImplicitInput& input)
+      : HostMesh(hydra_test::MeshOfHost(input)), shape(input.shape) {}
   std::optional<ImplicitInput> Recognized() const {
     const auto is = ShapeOfTopology(topology);
     if (!is) return std::nullopt;
@@ -38,32 +34,34 @@ struct HostMesh {
   }
 };
 
-HostMesh Sphere(double radius) {
+ShapeMesh Sphere(double radius) {
   ImplicitInput input;
   input.radius = radius;
-  HostMesh mesh(input);
+  ShapeMesh mesh(input);
   mesh.attributes["radius"] = VtValue(radius);
   return mesh;
 }
 
-HostMesh Cube(double size) {
+ShapeMesh Cube(double size) {
   ImplicitInput input;
   input.shape = ImplicitShape::Cube;
   input.size = size;
-  HostMesh mesh(input);
+  ShapeMesh mesh(input);
   mesh.attributes["size"] = VtValue(size);
   return mesh;
 }
 
-HostMesh Round(ImplicitShape shape, double bottom, double top, double height, const std::string& axis) {
+ShapeMesh Round(ImplicitShape shape, double bottom, double top, double height, const std::string& axis) {
   ImplicitInput input;
   input.shape = shape;
   input.height = height;
   input.axis = axis;
   input.radius = bottom;
-  input.radiusBottom = bottom;
-  input.radiusTop = top;
-  HostMesh mesh(input);
+  if (bottom != top) {
+    input.radiusBottom = bottom;
+    input.radiusTop = top;
+  }
+  ShapeMesh mesh(input);
   mesh.attributes = {{"height", VtValue(height)}, {"axis", VtValue(TfToken(axis))}};
   if (bottom == top) {
     mesh.attributes["radius"] = VtValue(bottom);
@@ -74,23 +72,23 @@ HostMesh Round(ImplicitShape shape, double bottom, double top, double height, co
   return mesh;
 }
 
-HostMesh Cone(double radius, double height, const std::string& axis) {
+ShapeMesh Cone(double radius, double height, const std::string& axis) {
   return Round(ImplicitShape::Cone, radius, radius, height, axis);
 }
-HostMesh Cylinder(double bottom, double top, double height, const std::string& axis) {
+ShapeMesh Cylinder(double bottom, double top, double height, const std::string& axis) {
   return Round(ImplicitShape::Cylinder, bottom, top, height, axis);
 }
-HostMesh Capsule(double bottom, double top, double height, const std::string& axis) {
+ShapeMesh Capsule(double bottom, double top, double height, const std::string& axis) {
   return Round(ImplicitShape::Capsule, bottom, top, height, axis);
 }
 
-HostMesh Plane(float width, float length, const std::string& axis) {
+ShapeMesh Plane(float width, float length, const std::string& axis) {
   ImplicitInput input;
   input.shape = ImplicitShape::Plane;
   input.width = width;
   input.length = length;
   input.axis = axis;
-  HostMesh mesh(input);
+  ShapeMesh mesh(input);
   mesh.attributes = {{"width", VtValue(static_cast<double>(width))}, {"length", VtValue(static_cast<double>(length))},
                      {"axis", VtValue(TfToken(axis))}};
   return mesh;
@@ -120,7 +118,7 @@ TEST(ImplicitMesh, EveryAxisAndSizeComesBack) {
         EXPECT_EQ(cone->radius, radius);
         EXPECT_EQ(cone->height, height);
         EXPECT_EQ(cone->axis, axis);
-        for (const HostMesh& mesh : {Cylinder(radius, radius, height, axis), Capsule(radius, radius, height, axis)}) {
+        for (const ShapeMesh& mesh : {Cylinder(radius, radius, height, axis), Capsule(radius, radius, height, axis)}) {
           const auto shape = mesh.Recognized();
           ASSERT_TRUE(shape) << axis << " " << radius << " " << height;
           EXPECT_EQ(shape->shape, mesh.shape);
@@ -137,7 +135,7 @@ TEST(ImplicitMesh, EveryAxisAndSizeComesBack) {
 }
 
 TEST(ImplicitMesh, TwoRadiiComeBack) {
-  for (const HostMesh& mesh : {Cylinder(1, 0.25, 3, "Y"), Capsule(0.5, 0.75, 3, "Y")}) {
+  for (const ShapeMesh& mesh : {Cylinder(1.5, 0.25, 3, "Y"), Capsule(0.4, 0.75, 3, "Y")}) {
     const auto shape = mesh.Recognized();
     ASSERT_TRUE(shape);
     EXPECT_EQ(shape->radiusBottom, mesh.attributes.at("radiusBottom").UncheckedGet<double>());
@@ -145,15 +143,15 @@ TEST(ImplicitMesh, TwoRadiiComeBack) {
   }
 }
 
-std::vector<HostMesh> OneOfEach() {
+std::vector<ShapeMesh> OneOfEach() {
   return {Sphere(1.5), Cube(2), Cone(1, 2, "X"), Cylinder(1, 1, 2, "Y"), Capsule(0.5, 0.5, 1, "Z"), Plane(2, 3, "Z")};
 }
 
 TEST(ImplicitMesh, PointsThatDifferByTheLeastStayAMesh) {
-  for (HostMesh mesh : OneOfEach()) {
+  for (ShapeMesh mesh : OneOfEach()) {
     ASSERT_TRUE(mesh.Recognized());
     for (size_t i = 0; i < mesh.points.size(); ++i) {
-      HostMesh moved = mesh;
+      ShapeMesh moved = mesh;
       moved.points[i][i % 3] = std::nextafter(moved.points[i][i % 3], 10.0f);
       EXPECT_FALSE(moved.Recognized()) << "point " << i;
     }
@@ -163,27 +161,27 @@ TEST(ImplicitMesh, PointsThatDifferByTheLeastStayAMesh) {
 }
 
 TEST(ImplicitMesh, AMeshWithoutTheShapesAttributesStaysAMesh) {
-  for (const HostMesh& mesh : OneOfEach())
+  for (const ShapeMesh& mesh : OneOfEach())
     for (const auto& [name, value] : mesh.attributes) {
-      HostMesh lacking = mesh;
+      ShapeMesh lacking = mesh;
       lacking.attributes.erase(name);
       EXPECT_FALSE(lacking.Recognized()) << name;
     }
   // A primvar of that name is none of the shape's.
-  HostMesh primvar = Sphere(1);
+  ShapeMesh primvar = Sphere(1);
   primvar.attributes["radius"] = VtValue(VtFloatArray{1});
   EXPECT_FALSE(primvar.Recognized());
   // A Mesh of the default size has the points, and no attribute at all.
-  for (HostMesh mesh : {Sphere(1), Cube(2), Cone(1, 2, "Z"), Plane(2, 2, "Z")}) {
+  for (ShapeMesh mesh : {Sphere(1), Cube(2), Cone(1, 2, "Z"), Plane(2, 2, "Z")}) {
     mesh.attributes.clear();
     EXPECT_FALSE(mesh.Recognized());
   }
 }
 
 TEST(ImplicitMesh, AnotherSizeOrAxisThanThePointsStaysAMesh) {
-  for (const HostMesh& mesh : OneOfEach())
+  for (const ShapeMesh& mesh : OneOfEach())
     for (const auto& [name, value] : mesh.attributes) {
-      HostMesh other = mesh;
+      ShapeMesh other = mesh;
       if (value.IsHolding<TfToken>())
         other.attributes[name] = VtValue(TfToken(value.UncheckedGet<TfToken>() == TfToken("X") ? "Y" : "X"));
       else
@@ -193,11 +191,11 @@ TEST(ImplicitMesh, AnotherSizeOrAxisThanThePointsStaysAMesh) {
 }
 
 TEST(ImplicitMesh, AnotherTopologyStaysAMesh) {
-  for (const HostMesh& mesh : OneOfEach()) {
+  for (const ShapeMesh& mesh : OneOfEach()) {
     const PxOsdMeshTopology& t = mesh.topology.GetPxOsdMeshTopology();
     const auto with = [&](const TfToken& scheme, const TfToken& orientation, const VtIntArray& indices,
                           const VtIntArray& holes) {
-      HostMesh other = mesh;
+      ShapeMesh other = mesh;
       other.topology = HdMeshTopology(scheme, orientation, t.GetFaceVertexCounts(), indices, holes);
       return other.Recognized();
     };
@@ -209,11 +207,11 @@ TEST(ImplicitMesh, AnotherTopologyStaysAMesh) {
     VtIntArray turned = indices;
     std::swap(turned[0], turned[1]);
     EXPECT_FALSE(with(t.GetScheme(), t.GetOrientation(), turned, {}));
-    HostMesh subsets = mesh;
+    ShapeMesh subsets = mesh;
     subsets.topology.SetGeomSubsets({{HdGeomSubset::TypeFaceSet, SdfPath("/s/a"), SdfPath("/red"), {0}}});
     EXPECT_FALSE(subsets.Recognized());
   }
-  HostMesh finer = Sphere(1);
+  ShapeMesh finer = Sphere(1);
   finer.topology = HdMeshTopology(GeomUtilSphereMeshGenerator::GenerateTopology(12, 10));
   EXPECT_FALSE(finer.Recognized());
 }

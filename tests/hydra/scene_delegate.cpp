@@ -128,7 +128,7 @@ const std::vector<delegate::PrimvarInput>& SceneDelegate::Primvars(const SdfPath
 HdMeshTopology SceneDelegate::GetMeshTopology(const SdfPath& id) {
   const ScenePrim* prim = Find(id);
   if (prim && prim->kind == PrimKind::Implicit && prim->implicit.shape)
-    return HostTopology(prim->implicit.shape->shape);
+    return MeshOfHost(*prim->implicit.shape).topology;
   if (!prim || !prim->mesh.topology) return {};
   const delegate::MeshTopology& t = *prim->mesh.topology;
   HdMeshTopology topology(TfToken(t.scheme), TfToken(t.orientation), Ints(t.faceVertexCounts),
@@ -190,7 +190,7 @@ VtValue SceneDelegate::Get(const SdfPath& id, const TfToken& key) {
     if (primvar.name == key.GetString()) return PrimvarValue(primvar);
   if (prim->kind != PrimKind::Implicit || !prim->implicit.shape) return {};
   const delegate::ImplicitInput& s = *prim->implicit.shape;
-  if (key == HdTokens->points) return VtValue(HostPoints(s));
+  if (key == HdTokens->points) return VtValue(MeshOfHost(s).points);
   const std::map<std::string, double> sizes{{"size", s.size},     {"radius", s.radius}, {"height", s.height},
                                             {"width", s.width},   {"length", s.length}, {"radiusTop", s.radiusTop},
                                             {"radiusBottom", s.radiusBottom}};

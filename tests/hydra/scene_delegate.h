@@ -23,24 +23,28 @@ class SceneDelegate final : public HdSceneDelegate {
   std::map<std::string, delegate_test::ScenePrim> prims;
   bool implicitsAsMeshes = false;  // as UsdImaging hands them over with scene-index mode off
 
+  // Rprims
   HdMeshTopology GetMeshTopology(const SdfPath& id) override;
   PxOsdSubdivTags GetSubdivTags(const SdfPath& id) override;
-  GfMatrix4d GetTransform(const SdfPath& id) override;
-  bool GetVisible(const SdfPath& id) override;
-  bool GetDoubleSided(const SdfPath& id) override;
   HdDisplayStyle GetDisplayStyle(const SdfPath& id) override;
-  VtValue Get(const SdfPath& id, const TfToken& key) override;
-  VtValue GetIndexedPrimvar(const SdfPath& id, const TfToken& key, VtIntArray* indices) override;
-  HdPrimvarDescriptorVector GetPrimvarDescriptors(const SdfPath& id, HdInterpolation interpolation) override;
+  bool GetDoubleSided(const SdfPath& id) override;
   TfToken GetRenderTag(const SdfPath& id) override;
   SdfPath GetMaterialId(const SdfPath& id) override;
-  VtValue GetMaterialResource(const SdfPath& id) override;
-  SdfPath GetInstancerId(const SdfPath& id) override;
-  SdfPathVector GetInstancerPrototypes(const SdfPath& id) override;
+  // Instancers
   VtIntArray GetInstanceIndices(const SdfPath& instancer, const SdfPath& prototype) override;
+  SdfPathVector GetInstancerPrototypes(const SdfPath& id) override;
   GfMatrix4d GetInstancerTransform(const SdfPath& id) override { return GetTransform(id); }
+  SdfPath GetInstancerId(const SdfPath& id) override;
+  // Sprims
+  VtValue GetMaterialResource(const SdfPath& id) override;
   VtValue GetLightParamValue(const SdfPath& id, const TfToken& name) override;
   VtValue GetCameraParamValue(const SdfPath& id, const TfToken& name) override;
+  // All of them
+  GfMatrix4d GetTransform(const SdfPath& id) override;
+  bool GetVisible(const SdfPath& id) override;
+  HdPrimvarDescriptorVector GetPrimvarDescriptors(const SdfPath& id, HdInterpolation interpolation) override;
+  VtValue GetIndexedPrimvar(const SdfPath& id, const TfToken& key, VtIntArray* indices) override;
+  VtValue Get(const SdfPath& id, const TfToken& key) override;
 
  private:
   const delegate_test::ScenePrim* Find(const SdfPath& id) const;

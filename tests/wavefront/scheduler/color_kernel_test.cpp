@@ -63,6 +63,24 @@ TEST_P(ColorKernelTest, AnotherTableOrTextIsAnotherTransform) {
   EXPECT_EQ(kernel_->builds(), 4u);
 }
 
+TEST_P(ColorKernelTest, HowATableIsReadIsPartOfTheTransform) {
+  const auto middle = Shader("vec4(texture(table, 0.5).r, pixels[i].gba)");
+  auto table = Table(5, 7);
+  table[0].linear = true;
+  EXPECT_EQ(Reds(middle, table), (std::vector<float>{6, 6}));
+  table[0].linear = false;
+  EXPECT_NE(Reds(middle, table)[0], 6);
+  EXPECT_EQ(kernel_->builds(), 2u);
+}
+
+TEST_P(ColorKernelTest, EveryPixelIsTransformedAndNoneBeyond) {
+  const auto twice = Shader("2.0 * pixels[i]");
+  std::vector<float> rgba(4 * 13 * 11, 0.5f);  // no multiple of a group
+  ASSERT_TRUE(kernel_->Run(*device_, twice, Table(0, 0), rgba, 13, 11).ok());
+  EXPECT_EQ(rgba, std::vector<float>(rgba.size(), 1.0f));
+  EXPECT_FALSE(kernel_->Run(*device_, twice, Table(0, 0), rgba, 13, 12).ok());
+}
+
 TEST_P(ColorKernelTest, ATransformThatCannotBeBuiltLeavesNothing) {
   const auto lookUp = Shader("vec4(texture(table, pixels[i].r).r, pixels[i].gba)");
   EXPECT_EQ(Reds(lookUp, Table(5, 7)), (std::vector<float>{5, 7}));
@@ -72,6 +90,7 @@ TEST_P(ColorKernelTest, ATransformThatCannotBeBuiltLeavesNothing) {
   EXPECT_FALSE(kernel_->Run(*device_, lookUp, lacking, rgba, 2, 1).ok());
   EXPECT_FALSE(kernel_->Run(*device_, lookUp, lacking, rgba, 2, 1).ok());
   EXPECT_EQ(Reds(lookUp, Table(5, 7)), (std::vector<float>{5, 7}));
+  EXPECT_EQ(kernel_->builds(), 2u);  // what was there before is given back first: memory for one is enough
 }
 
 INSTANTIATE_TEST_SUITE_P(Uploads, ColorKernelTest, testing::Bool());
