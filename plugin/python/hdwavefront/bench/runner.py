@@ -70,9 +70,7 @@ def run_task(task: Task, limit: float) -> Outcome:
         try:
             _listen(worker, outcome, begin + limit)
         finally:
-            if worker.poll() is None:
-                worker.kill()
-            code = worker.wait()
+            code = _end(worker)
             assert worker.stdout is not None
             worker.stdout.close()
         if code != 0 and not outcome.timed_out:
@@ -81,6 +79,16 @@ def run_task(task: Task, limit: float) -> Outcome:
             outcome.error = said[-1] if said else f"the process ended with code {code}"
     outcome.seconds = time.monotonic() - begin
     return outcome
+
+
+def _end(worker: subprocess.Popen[bytes]) -> int:
+    """The exit code. A killed process that a compiler filled may take half a minute to be gone: not waited for."""
+    if worker.poll() is None:
+        worker.kill()
+    try:
+        return worker.wait(2.0)
+    except subprocess.TimeoutExpired:
+        return -9
 
 
 def _listen(worker: subprocess.Popen[bytes], outcome: Outcome, end: float) -> None:

@@ -149,8 +149,10 @@ def run(task: Task, folder: str) -> None:
         open_ones[mode] = contestant
         if mode == "wavefront" and task.picture:
             contestant.render.save(task.picture)
-        # What there is if the other one compiles until the time is over. It does not count in the end: counters come
-        # some submits late, and the first submits are of another length than the later ones.
+        # Does not count: counters come some submits late, and the first submits are of another length than later ones.
+        contestant.turn(min(task.seconds, 0.5))
+        contestant.readings.clear()
+        # What there is if the other one compiles until the time is over.
         contestant.turn(min(task.seconds, 1.0))
         _say("result", mode=mode, scene=_facts(scene, contestant), result=result_of(contestant))
         contestant.readings.clear()
