@@ -54,5 +54,31 @@ TEST(Media, WaxHasItsColor) {
   EXPECT_EQ(body.world.renderer->stats().errorFlags, 0u);
 }
 
+// A sheet is no body: what enters a walk there, and what enters glass, can leave through nothing else. It is lost, by the
+// roulette or by the last event, but the picture ends, and is a picture.
+TEST(Media, OpenSheetsLoseWhatEntersThem) {
+  for (const char* kernel : {"wax", "glass"}) {
+    World world;
+    world.Dome(1);
+    const bool isWax = kernel[0] == 'w';
+    MaterialData material = isWax ? MakeMaterial("wax", {1, 0.9f, 0}, 1, {0.1f, 1e6f, 0})
+                                  : MakeMaterial("glass", {}, 1, {}, {0, 0.1f, 1}, {2, 1, 1e-3f}, -0.9f);
+    world.Instance("/sheet", world.renderer->CreateMesh(Quad()), world.Material(std::move(material)), {Scaled(1, 1, 1)});
+    world.camera.transforms = {{0, Moved(0.1, 0.1, 5)}};
+    world.camera.orthographic = true;
+    world.camera.left = world.camera.bottom = -0.3f;
+    world.camera.right = world.camera.top = 0.3f;
+    world.settings.samples = 8;
+    const RawFilm film = world.Render();
+    for (uint32_t c = 0; c < 3; ++c) {
+      const double mean = MeanColor(film, c);
+      EXPECT_TRUE(std::isfinite(mean)) << kernel << c;
+      EXPECT_GE(mean, 0) << kernel << c;
+      EXPECT_LE(mean, 1.01) << kernel << c;
+    }
+    EXPECT_NEAR(MeanColor(film, 3), 1, 1e-6);
+  }
+}
+
 }  // namespace
 }  // namespace wavefront
