@@ -57,8 +57,11 @@ def test_500_materials_of_20_topologies_make_20_kernels_and_compile_once(tmp_pat
 
 
 def test_lavapipe_compiles_every_kernel_once(tmp_path):
-    """The machine code made in the background serves the render, and scenes of all sizes. Every compilation leaves an entry
-    in Mesa's cache; what the driver compiles for are the formats and sizes of buffers (vulkan/buffer.cpp, SpareBytes)."""
+    """The machine code made in the background serves the render, and scenes of all sizes.
+
+    Every compilation leaves an entry in Mesa's cache; what the driver compiles for are the formats and sizes of buffers
+    (vulkan/buffer.cpp, SpareBytes).
+    """
     from hdwavefront import _core
 
     if "llvmpipe" not in _core.list_devices()[0]["name"]:

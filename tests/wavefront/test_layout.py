@@ -103,7 +103,12 @@ def test_bindings_agree():
     rows = {int(number): kind for _, number, kind in registry("bindings.def", "WAVEFRONT_BINDING")}
     in_glsl = glsl_bindings()
     # The numeric type of a format is what the kernels declare.
-    types = {"Uint": ("Texel", "uint"), "Float": ("Texel", "float"), "Storage": ("Storage", ""), "Uniform": ("Uniform", "")}
+    types = {
+        "Uint": ("Texel", "uint"),
+        "Float": ("Texel", "float"),
+        "Storage": ("Storage", ""),
+        "Uniform": ("Uniform", ""),
+    }
     assert {n: types[re.sub("^(R|Rg|Rgba)32", "", kind)] for n, kind in rows.items()} == in_glsl
     assert sorted(rows) == list(range(len(rows)))
     counted = [kind for kind, _ in in_glsl.values()]
