@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <set>
 
+#include "delegate/capture/scene_file.h"
+#include "delegate/capture/scene_recorder.h"
 #include "delegate/gprim_store.h"
 #include "delegate/instancer_store.h"
 #include "delegate/light_store.h"
@@ -12,6 +14,7 @@
 #include "delegate/photometric_profile.h"
 #include "delegate/prims/same.h"
 #include "wavefront/base/check.h"
+#include "wavefront/base/parallel.h"
 
 namespace delegate {
 namespace {
@@ -90,6 +93,13 @@ wavefront::Result<std::unique_ptr<RenderDelegate>> RenderDelegate::Create(const 
   if (!generator)
     return wavefront::Error{"MaterialX's libraries cannot be read from \"" + options.materialxLibraries + "\"" +
                             (generatorTrouble.empty() ? "." : ": " + generatorTrouble)};
+  if (options.captureOnly) {
+    auto recorder = std::make_unique<SceneRecorder>();
+    SceneRecorder* const kept = recorder.get();
+    auto made = std::make_unique<RenderDelegate>(std::move(recorder), std::move(generator), log, options.threads);
+    made->recorder_ = kept;
+    return made;
+  }
   wavefront::RendererOptions rendererOptions;
   rendererOptions.device = options.device;
   rendererOptions.validation = options.validation;
@@ -316,6 +326,30 @@ wavefront::Status RenderDelegate::CommitResources() {
   c.texturesUploaded = impl.textures.uploads();
   ++c.commits;
   return status;
+}
+
+wavefront::Result<size_t> RenderDelegate::WriteCapture(const std::string& path, const std::string& name,
+                                                       const std::string& version, uint32_t maxTextureSide) const {
+  if (!recorder_) return wavefront::Error{"This delegate renders; a scene is captured by one that was made for it."};
+  CapturedScene scene = recorder_->Scene();
+  scene.info = {name, version, IncludedGlslHash()};
+  const size_t shrunk = maxTextureSide == 0 ? 0 : ShrinkTextures(scene, maxTextureSide);
+  std::vector<std::string> troubles(scene.kernels.size());
+  wavefront::ParallelFor(scene.kernels.size(), 0, [&](size_t i) {
+    CapturedKernel& kernel = scene.kernels[i];
+    const materialgen::KernelSource& source = *impl_->materials.kernels().at(kernel.key).source;
+    kernel.glsl = {source.surface, source.opacity, source.emission};
+    for (size_t entry = 0; entry < kernel.glsl.size(); ++entry) {
+      if (kernel.glsl[entry].empty()) continue;
+      wavefront::KernelCode code = recorder_->Compile(kernel.key, static_cast<wavefront::KernelEntry>(entry));
+      kernel.spirv[entry] = std::move(code.spirv);
+      if (kernel.spirv[entry].empty()) troubles[i] = code.error;
+    }
+  });
+  for (const std::string& trouble : troubles)
+    if (!trouble.empty()) return wavefront::Error{"A kernel does not compile, so the scene is not captured: " + trouble};
+  if (const wavefront::Status status = WriteSceneFile(scene, path); !status) return status.error();
+  return shrunk;
 }
 
 std::optional<wavefront::Aov> RenderDelegate::FindAov(const std::string& token) const {

@@ -40,6 +40,7 @@ struct RenderDelegateOptions {
   uint64_t memoryBudget = 0;
   uint32_t threads = 0;              // host threads; 0: all
   std::string materialxLibraries;    // folder holding stdlib, pbrlib, bxdf
+  bool captureOnly = false;          // no device: the scene is kept for WriteCapture and cannot be rendered
 };
 
 // Hydra's HdRenderPassState in one update.
@@ -61,6 +62,8 @@ struct DelegateCounters {
   uint64_t meshesBuilt = 0, meshesUploaded = 0, instancesUploaded = 0, lightsUploaded = 0, camerasUploaded = 0,
            materialsGenerated = 0, materialsUploaded = 0, kernelsCompiled = 0, texturesUploaded = 0, commits = 0;
 };
+
+class SceneRecorder;
 
 class RenderDelegate {
  public:
@@ -101,6 +104,12 @@ class RenderDelegate {
   wavefront::Result<bool> SetRenderSetting(const std::string& token, const SettingValue& value);  // true: changed
   wavefront::Result<SettingValue> GetRenderSetting(const std::string& token) const;
   uint32_t GetRenderSettingsVersion() const;         // grows on changed values only
+
+  // Writes what was committed to a file that wavefront-bench replays (capture/scene_file.h). An error where the delegate was
+  // not made with captureOnly, where a kernel does not compile, or where the file cannot be written. Textures of a longer
+  // side than `maxTextureSide` (0: any) are halved; the number of them is returned.
+  wavefront::Result<size_t> WriteCapture(const std::string& path, const std::string& name, const std::string& version,
+                                         uint32_t maxTextureSide = 0) const;
 
   // --- Render.
   wavefront::Status CommitResources();
@@ -154,6 +163,7 @@ class RenderDelegate {
   struct Impl;
   std::shared_ptr<DiagnosticLog> log_;
   std::unique_ptr<wavefront::Renderer> renderer_;
+  SceneRecorder* recorder_ = nullptr;  // the renderer, where it is one
   std::unique_ptr<Impl> impl_;
 };
 

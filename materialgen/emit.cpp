@@ -14,9 +14,6 @@
 namespace materialgen {
 namespace {
 
-// Part of every key: raise it when the same network yields other source.
-constexpr const char* kGeneratorVersion = "9";
-
 // What bodies have at the start of their block (wavefront/kernels/lib/media.glsl).
 constexpr uint32_t kBodyTexels = 2;
 
@@ -54,7 +51,7 @@ class Emitter {
   // The key, and the block of values.
   CompiledMaterial Finish(std::shared_ptr<KernelSource> kernel, std::initializer_list<const std::string*> sources) const {
     kernel->primvars = layout_.primvars;
-    std::string all = kGeneratorVersion;
+    std::string all(GeneratorVersion());
     for (const std::string* text : sources) all += "\n---\n" + *text;
     for (const std::string& primvar : kernel->primvars) all += "\n" + primvar;
     kernel->key = HashOf(all);
@@ -298,8 +295,6 @@ class Emitter {
 };
 
 }  // namespace
-
-std::string_view GeneratorVersion() { return kGeneratorVersion; }
 
 CompiledMaterial Emit(Expressions* expressions, const Material& material, const std::string& functions) {
   return Emitter(expressions, material, functions).Run();

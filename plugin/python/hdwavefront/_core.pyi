@@ -99,8 +99,10 @@ class RenderDelegate:
         validation: bool = False,
         memory_budget: int = 0,
         threads: int = 0,
+        capture_only: bool = False,
     ) -> None:
-        """`materialx_libraries`: the folder with MaterialX's stdlib, pbrlib, bxdf. RuntimeError: no device fits."""
+        """`materialx_libraries`: the folder with MaterialX's stdlib, pbrlib, bxdf. RuntimeError: no device fits.
+        `capture_only`: takes no device and renders nothing; the committed scene is there for `write_capture`."""
 
     # -- Rprims. The first sync of a path creates it.
     def sync_mesh(
@@ -265,6 +267,9 @@ class RenderDelegate:
     def set_setting(self, token: str, value: bool | int | float | str) -> bool:
         """True if the value changed. ValueError: unknown token, wrong type or out of range."""
     def setting(self, token: str) -> bool | int | float | str: ...
+    def write_capture(self, path: str, name: str, max_texture_side: int = 0) -> int:
+        """Writes the committed scene, called `name`, to a scene file. Textures of a longer side are halved (0: none is);
+        returns how many were. RuntimeError where that fails, or where the delegate was not made with `capture_only`."""
 
     # -- Render. commit() stops a running render, makes all edits real and says whether the image restarts.
     def commit(self) -> bool: ...

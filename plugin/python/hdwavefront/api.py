@@ -39,6 +39,14 @@ def core() -> Any:
     return _core
 
 
+def create_delegate(**options: Any) -> Any:
+    """A render delegate; options are those of `_core.RenderDelegate`."""
+    try:
+        return core().RenderDelegate(materialx_libraries=os.path.join(_DATA_FOLDER, "materialx"), **options)
+    except (RuntimeError, ValueError) as error:
+        raise HdWavefrontError(str(error)) from None
+
+
 class Render:
     """A stage, a camera, settings, and the picture that comes of them.
 
@@ -58,7 +66,7 @@ class Render:
       rendering_space: the scene-linear space that is rendered in. camera_light: None = where nothing shines.
       window_policy: how the aperture is fitted to the image, as UsdRenderSettings.aspectRatioConformPolicy has it.
       dome_visible: domes are seen by the camera. device: index or part of a name.
-      on_diagnostic: called with each new `Diagnostic`. delegate: for tests.
+      on_diagnostic: called with each new `Diagnostic`. delegate: in place of one that renders on `device`.
       settings: values of render settings by token, such as {"maxBounces": 4}.
     """
 
@@ -125,7 +133,7 @@ class Render:
             self.colors.display_and_view(display, view)  # a wrong name is said before the render
         from .scene_sync import TrackingSink
 
-        self.delegate = delegate if delegate is not None else self._create_delegate(device)
+        self.delegate = delegate if delegate is not None else create_delegate(device=device)
         self._sink = TrackingSink(self.delegate)
         self._seen_diagnostics = 0
         self.camera = ""
@@ -133,12 +141,6 @@ class Render:
         self._prepared = False
 
     # -- Set-up
-
-    def _create_delegate(self, device: str) -> Any:
-        try:
-            return core().RenderDelegate(materialx_libraries=os.path.join(_DATA_FOLDER, "materialx"), device=device)
-        except (RuntimeError, ValueError) as error:
-            raise HdWavefrontError(str(error)) from None
 
     def _time_code(self, frame: float | str | None) -> Any:
         from pxr import Usd

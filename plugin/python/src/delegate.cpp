@@ -19,10 +19,10 @@ namespace {
 // RenderDelegate can neither be copied nor moved, and making one may fail: Python gets it from a static function in
 // __new__'s place.
 RenderDelegate* MakeDelegate(const std::string& materialxLibraries, const std::string& device, bool validation,
-                             uint64_t memoryBudget, uint32_t threads) {
+                             uint64_t memoryBudget, uint32_t threads, bool captureOnly) {
   auto made = [&] {
     nb::gil_scoped_release release;
-    return RenderDelegate::Create({device, validation, memoryBudget, threads, materialxLibraries});
+    return RenderDelegate::Create({device, validation, memoryBudget, threads, materialxLibraries, captureOnly});
   }();
   if (!made) RaiseRuntime(made.error().message);
   return std::move(made).value().release();
@@ -104,7 +104,7 @@ void SetTextureMissing(RenderDelegate& self, uint32_t key, const std::string& re
 void BindDelegate(nb::module_& module) {
   DelegateClass type(module, "RenderDelegate");
   type.def(nb::new_(&MakeDelegate), nb::kw_only(), "materialx_libraries"_a, "device"_a = "", "validation"_a = false,
-           "memory_budget"_a = 0, "threads"_a = 0);
+           "memory_budget"_a = 0, "threads"_a = 0, "capture_only"_a = false);
   const nb::object none = nb::none();
   type.def("set_render_pass", &SetRenderPass, nb::kw_only(), "camera"_a = none, "width"_a.none() = none,
            "height"_a.none() = none, "pixel_aspect_ratio"_a = none, "data_window"_a = none, "window_policy"_a = none,

@@ -32,6 +32,15 @@ void Released(Fn fn) {
   if (!status) RaiseRuntime(status.error().message);
 }
 
+size_t WriteCapture(const RenderDelegate& self, const std::string& path, const std::string& name, uint32_t maxTextureSide) {
+  auto shrunk = [&] {
+    nb::gil_scoped_release release;
+    return self.WriteCapture(path, name, HDWAVEFRONT_VERSION, maxTextureSide);
+  }();
+  if (!shrunk) RaiseRuntime(shrunk.error().message);
+  return shrunk.value();
+}
+
 bool Commit(RenderDelegate& self) {
   const uint64_t before = self.version();
   Released([&] { return self.CommitResources(); });
@@ -302,6 +311,7 @@ nb::dict ExplainMaterial(const RenderDelegate& self, const std::string& path) {
 
 void BindRender(DelegateClass& type) {
   const auto released = nb::call_guard<nb::gil_scoped_release>();
+  type.def("write_capture", &WriteCapture, "path"_a, "name"_a, "max_texture_side"_a = 0);
   type.def("commit", &Commit);
   type.def("start", [](RenderDelegate& self) { Released([&] { return self.Start(); }); });
   type.def("pause", &RenderDelegate::Pause, released);

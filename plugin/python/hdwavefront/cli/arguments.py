@@ -30,12 +30,38 @@ def add_record_arguments(parser: argparse.ArgumentParser) -> None:
         help="Output image path. For frame ranges, the path must contain exactly one frame number placeholder of the "
         'form "###" or "###.###". The number of hash marks is variable in each group.',
     )
-    _add_usdrecord_arguments(parser.add_argument_group("usdrecord's arguments"))
-    _add_own_arguments(parser.add_argument_group("hdWavefront's arguments"))
+    group = parser.add_argument_group("usdrecord's arguments")
+    _add_usdrecord_stage_arguments(group)
+    _add_usdrecord_image_arguments(group)
+    group = parser.add_argument_group("hdWavefront's arguments")
+    _add_own_stage_arguments(group)
+    _add_own_image_arguments(group)
     _add_setting_arguments(parser.add_argument_group("render settings"))
 
 
-def _add_usdrecord_arguments(group: Any) -> None:
+def add_capture_arguments(parser: argparse.ArgumentParser) -> None:
+    """What a scene is made of, by the names that `record` has for it."""
+    parser.add_argument("usdFilePath", help="USD file to capture")
+    parser.add_argument("sceneFilePath", help="file to write, for wavefront-bench; by habit NAME.hdwscene")
+    _add_usdrecord_stage_arguments(parser)
+    times = parser.add_mutually_exclusive_group()
+    times.add_argument("--frames", "-f", dest="timeCode", type=float, metavar="TIMECODE", help="one time code")
+    times.add_argument("--defaultTime", "-d", action="store_true", help="capture the default time")
+    _add_own_stage_arguments(parser)
+    parser.add_argument(
+        "--maxTexture",
+        type=int,
+        default=0,
+        metavar="N",
+        help="halve textures until no side is longer than N pixels, for a smaller file; 0: keep all (default)",
+    )
+    _add_setting_arguments(parser.add_argument_group("render settings, which the file keeps"))
+    # What only an image has.
+    parser.set_defaults(colorCorrectionMode=None, display="", view="", device="", disableGpu=False)
+
+
+def _add_usdrecord_stage_arguments(group: Any) -> None:
+    """What is rendered, by usdrecord's names."""
     group.add_argument(
         "--camera",
         "-cam",
@@ -45,16 +71,6 @@ def _add_usdrecord_arguments(group: Any) -> None:
     )
     group.add_argument(
         "--imageWidth", "-w", type=int, help="Width in pixels (default 960); the height follows the camera's aspect"
-    )
-    times = group.add_mutually_exclusive_group()
-    times.add_argument(
-        "--defaultTime", "-d", action="store_true", help="render the default time, not the stage's start"
-    )
-    times.add_argument(
-        "--frames",
-        "-f",
-        metavar="FRAMESPEC[,FRAMESPEC...]",
-        help="time codes: 123, 101:105, 105:101, 101:109x2, 101:104x0.5",
     )
     group.add_argument(
         "--complexity", "-c", choices=_COMPLEXITIES, default="low", help="level of subdivision (default: %(default)s)"
@@ -72,12 +88,6 @@ def _add_usdrecord_arguments(group: Any) -> None:
     )
     group.add_argument(
         "--sessionLayer", dest="sessionLayerPath", metavar="SESSIONLAYER", help="layer to open over the stage"
-    )
-    group.add_argument(
-        "--colorCorrectionMode",
-        "-color",
-        choices=("disabled", "sRGB", "openColorIO"),
-        help="how colour is written (default: openColorIO for PNG, JPEG and TIFF, scene-linear for EXR and HDR)",
     )
     group.add_argument(
         "--renderSettingsPrimPath", "-rs", dest="rsPrimPath", default="", help="RenderSettings prim to use"
@@ -98,6 +108,25 @@ def _add_usdrecord_arguments(group: Any) -> None:
         default="root",
         help="asset paths are resolved for the root layer, or as the environment says (default: %(default)s)",
     )
+
+
+def _add_usdrecord_image_arguments(group: Any) -> None:
+    times = group.add_mutually_exclusive_group()
+    times.add_argument(
+        "--defaultTime", "-d", action="store_true", help="render the default time, not the stage's start"
+    )
+    times.add_argument(
+        "--frames",
+        "-f",
+        metavar="FRAMESPEC[,FRAMESPEC...]",
+        help="time codes: 123, 101:105, 105:101, 101:109x2, 101:104x0.5",
+    )
+    group.add_argument(
+        "--colorCorrectionMode",
+        "-color",
+        choices=("disabled", "sRGB", "openColorIO"),
+        help="how colour is written (default: openColorIO for PNG, JPEG and TIFF, scene-linear for EXR and HDR)",
+    )
     group.add_argument("--traceToFile", metavar="FILE", help="write what USD's tracing saw to this file")
     group.add_argument(
         "--traceFormat", choices=("chrome", "trace"), default="chrome", help="format of it (default: %(default)s)"
@@ -110,7 +139,7 @@ def _add_usdrecord_arguments(group: Any) -> None:
     group.add_argument("--renderer", "-r", help="taken for usdrecord's sake; this renderer is always Wavefront")
 
 
-def _add_own_arguments(group: Any) -> None:
+def _add_own_stage_arguments(group: Any) -> None:
     group.add_argument(
         "--imageHeight", type=int, help="Height in pixels (default: from the width and the camera's aspect)"
     )
@@ -129,14 +158,17 @@ def _add_own_arguments(group: Any) -> None:
     group.add_argument(
         "--ocio", default="", metavar="CONFIG", help="OpenColorIO configuration (default: $OCIO, else built in)"
     )
-    group.add_argument("--display", default="", help="display of the OpenColorIO configuration (default: its own)")
-    group.add_argument("--view", default="", help="view of the display (default: its own)")
     group.add_argument(
         "--renderingColorSpace",
         default="",
         metavar="SPACE",
         help="scene-linear space to render in (default: lin_rec709)",
     )
+
+
+def _add_own_image_arguments(group: Any) -> None:
+    group.add_argument("--display", default="", help="display of the OpenColorIO configuration (default: its own)")
+    group.add_argument("--view", default="", help="view of the display (default: its own)")
     group.add_argument(
         "--device",
         default="",

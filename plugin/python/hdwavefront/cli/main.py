@@ -12,7 +12,7 @@ from ..errors import EXIT_FAILED, EXIT_INTERRUPTED, HdWavefrontError
 
 
 def build_parser() -> argparse.ArgumentParser:
-    from .arguments import add_record_arguments
+    from .arguments import add_capture_arguments, add_record_arguments
     from .bench import add_bench_arguments
     from .explain import add_explain_arguments
 
@@ -38,6 +38,14 @@ def build_parser() -> argparse.ArgumentParser:
             help="speed: the paper's tables, wavefront against megakernel, and sweeps",
             description="Measures speed on scenes of the project's own: wavefront and megakernel in turns, in the "
             "paper's tables with the paper's figures beside them; and sweeps over one number.",
+        )
+    )
+    add_capture_arguments(
+        commands.add_parser(
+            "capture",
+            help="write a stage as a scene file that wavefront-bench replays on machines without USD",
+            description="Writes what the renderer is told of a USD file into one file: meshes, lights, camera, texels, "
+            "settings, and the kernels of its materials. wavefront-bench replays it to the bit.",
         )
     )
     commands.add_parser("doctor", help="device, driver, versions, colour configuration, and what is wrong")
@@ -68,6 +76,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
             from .bench import bench
 
             return bench(args)
+        if args.command == "capture":
+            from .capture import capture
+
+            return capture(args)
         if args.command == "doctor":
             from .doctor import doctor
 

@@ -22,7 +22,7 @@ from .progress import ProgressDisplay
 _LINES_PER_CODE = 8
 
 
-class _DiagnosticPrinter:
+class DiagnosticPrinter:
     """Prints the first diagnostics of each kind as they come, and counts the rest."""
 
     def __init__(self) -> None:
@@ -95,7 +95,8 @@ def _device(args: argparse.Namespace) -> str:
     raise HdWavefrontError("--disableGpu: there is no Vulkan driver that runs on the processor (mesa-vulkan-drivers).")
 
 
-def _open(args: argparse.Namespace, frame: float | str | None, printer: _DiagnosticPrinter) -> Any:
+def open_stage(args: argparse.Namespace, frame: float | str | None, printer: DiagnosticPrinter, **options: Any) -> Any:
+    """The Render that the arguments ask for; `options` are further ones of it."""
     from ..api import Render
 
     return Render(
@@ -123,6 +124,7 @@ def _open(args: argparse.Namespace, frame: float | str | None, printer: _Diagnos
         on_diagnostic=printer,
         window_policy=args.windowPolicy,
         settings=settings_from(args),
+        **options,
     )
 
 
@@ -150,8 +152,8 @@ def _record(args: argparse.Namespace) -> int:
     )
     _check_before(args)
     _say_what_changes_nothing(args)
-    printer = _DiagnosticPrinter()
-    render = _open(args, frames[0], printer)
+    printer = DiagnosticPrinter()
+    render = open_stage(args, frames[0], printer)
     folder = os.path.dirname(os.path.abspath(args.outputImagePath))
     from ..image_io.writer import check_output
 
@@ -176,7 +178,7 @@ def _record(args: argparse.Namespace) -> int:
     return EXIT_OK
 
 
-def _record_frame(render: Any, path: str, folder: str, printer: _DiagnosticPrinter) -> bool:
+def _record_frame(render: Any, path: str, folder: str, printer: DiagnosticPrinter) -> bool:
     """True if Ctrl-C ended it early."""
     time_code = "default" if render.time.IsDefault() else f"{render.time.GetValue():g}"
     render.prepare()
@@ -209,7 +211,7 @@ def _record_frame(render: Any, path: str, folder: str, printer: _DiagnosticPrint
     return not finished
 
 
-def _run(render: Any, samples: int, printer: _DiagnosticPrinter) -> bool:
+def _run(render: Any, samples: int, printer: DiagnosticPrinter) -> bool:
     """Renders, telling how far it is. False if Ctrl-C ended it early."""
     progress = ProgressDisplay(samples)
     printer.progress = progress
