@@ -20,6 +20,7 @@ def run(command: str, stage: Path, *arguments: str, caches: Path | None = None) 
     """Standard output of a command, with caches in a folder of the test's own where one is given."""
     environment = {**os.environ, "PYTHONPATH": os.pathsep.join(path for path in sys.path if path)}
     if caches:
+        environment.pop("MESA_SHADER_CACHE_DISABLE", None)
         for name, folder in (("MESA_SHADER_CACHE_DIR", "mesa"), ("HDWAVEFRONT_CACHE_DIR", "own")):
             (caches / folder).mkdir(parents=True, exist_ok=True)
             environment[name] = str(caches / folder)
