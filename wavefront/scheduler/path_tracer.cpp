@@ -211,6 +211,8 @@ Status PathTracer::BeginBand(uint32_t band) {
   batchEnd_ = settings_.samplesPerBatch == 0 ? settings_.firstSample + settings_.samples
                                              : settings_.firstSample + std::min(settings_.samples, settings_.samplesPerBatch);
   raiseBatch_ = false;
+  // What was learnt at the end of another picture, when hardly a path was left, would make the first submits last for seconds.
+  iterationsPerSubmit_ = 1;
   stalled_ = false;
   ++kernelEpoch_;
   holds_.assign(runs_.size(), 0);
@@ -424,6 +426,7 @@ Status PathTracer::Step(const DiagnosticSink& sink, Progress* progress) {
     RecordWakeUp();
     stream_->Barrier();
     raiseBatch_ = false;
+    iterationsPerSubmit_ = 1;  // as in BeginBand
     status_.drained = false;
   }
   const uint32_t nothing[4] = {};
@@ -468,7 +471,8 @@ Status PathTracer::Collect(std::size_t index) {
     // Aim at a submit that is long enough to hide its cost and short enough to answer the host.
     const double seconds = (timestamps_[count.value() - 1] - timestamps_[0]) * 1e-9;
     const double each = std::max(1e-6, seconds / slot.iterations);
-    iterationsPerSubmit_ = std::clamp(static_cast<uint32_t>(kTargetSubmitSeconds / each), 1u, kMaxIterationsPerSubmit);
+    const uint32_t most = std::min(kMaxIterationsPerSubmit, 2 * slot.iterations);
+    iterationsPerSubmit_ = std::clamp(static_cast<uint32_t>(kTargetSubmitSeconds / each), 1u, most);
   }
   const uint64_t bytes = 4ull * (kBucketBase + static_cast<uint64_t>(kBucketStride) * bucketCount_);
   const std::span<std::byte> mapped = readback_->Map();

@@ -250,6 +250,25 @@ TEST(Scheduler, InteractiveSubmitsOneIterationAtATimeAndChangesNothing) {
   EXPECT_EQ(after.submits - before.submits, after.iterations);
 }
 
+TEST(Scheduler, ARenderBeginsWithShortSubmitsWhateverTheLastOneEndedWith) {
+  World world;
+  const MeshId box = world.renderer->CreateMesh(Box());
+  world.Instance("/room", box, world.Material(MakeMaterial("emissive", {0.5f, 0.5f, 0.5f}, 1, {1, 1, 1})), {Scaled(6, 6, 6)});
+  world.settings.maxBounces = 30;
+  world.settings.rouletteBounce = 200;
+  world.settings.samples = 4;
+  world.settings.poolSize = 256;  // short iterations: many a submit
+  world.Render();
+  const RenderStats before = world.renderer->stats();
+  EXPECT_LT(2 * before.submits, before.iterations);
+  world.settings.poolSize = 65536;  // long ones: a submit of as many would keep a host that edits waiting for seconds
+  world.Render();
+  const RenderStats after = world.renderer->stats();
+  ASSERT_GE(after.iterations, 31u);
+  // Three submits are in flight, and none is more than twice as long as one that was measured: 3 * (1 + 2 + 4) < 31.
+  EXPECT_GE(after.submits - before.submits, 10u);
+}
+
 TEST(Scheduler, LightsThrowNoShadowsOnEachOther) {
   // A wall under a dome, with a dark rect light between them, wherever the light is found: by its sample or by a bounce.
   World world;
