@@ -37,7 +37,10 @@ Window Conform(Window w, ConformPolicy policy, double imageAspect) {
 
 // Replaces what no camera can have, and says so.
 CameraParams Sanitized(const std::string& path, CameraParams p, const wavefront::DiagnosticSink& sink) {
-  const CameraParams fallback;
+  CameraParams fallback;
+  const auto toUnit = static_cast<float>(fallback.apertureUnit / p.apertureUnit);
+  for (float* const length : {&fallback.horizontalAperture, &fallback.verticalAperture, &fallback.focalLength})
+    *length *= toUnit;
   const auto mend = [&](bool good, const char* what, auto& value, auto instead) {
     if (good) return;
     value = instead;
@@ -69,6 +72,17 @@ CameraParams Sanitized(const std::string& path, CameraParams p, const wavefront:
   return p;
 }
 
+// In single precision, as UsdImaging does it before Hydra's cameras arrive (usdImaging/cameraAdapter.cpp and
+// dataSourceCamera.cpp): the same camera through any host is the same window to the bit.
+CameraParams InSceneUnits(CameraParams p) {
+  const auto unit = static_cast<float>(p.apertureUnit);
+  for (float* const length : {&p.horizontalAperture, &p.verticalAperture, &p.horizontalApertureOffset,
+                              &p.verticalApertureOffset, &p.focalLength})
+    *length *= unit;
+  p.apertureUnit = 1;
+  return p;
+}
+
 }  // namespace
 
 std::optional<ConformPolicy> ParseConformPolicy(const std::string& token) {
@@ -83,7 +97,7 @@ std::optional<ConformPolicy> ParseConformPolicy(const std::string& token) {
 wavefront::CameraData ConvertCamera(const std::string& path, const CameraParams& authored,
                                     const TimeSamples<Matrix4d>& transforms, double imageAspect, ConformPolicy policy,
                                     const wavefront::DiagnosticSink& sink) {
-  const CameraParams p = Sanitized(path, authored, sink);
+  const CameraParams p = InSceneUnits(Sanitized(path, authored, sink));
   wavefront::CameraData camera;
   camera.orthographic = p.projection == "orthographic";
   camera.transforms = transforms;
@@ -95,7 +109,7 @@ wavefront::CameraData ConvertCamera(const std::string& path, const CameraParams&
     }
 
   // GfCamera::GetFrustum: the window lies on the plane at distance 1 (perspective), or is the aperture in scene units.
-  const double unit = camera.orthographic ? p.apertureUnit : 1 / double{p.focalLength};
+  const double unit = camera.orthographic ? 1 : 1 / double{p.focalLength};
   const double halfWidth = p.horizontalAperture * unit / 2, halfHeight = p.verticalAperture * unit / 2;
   const double x = p.horizontalApertureOffset * unit, y = p.verticalApertureOffset * unit;
   const Window window = Conform({x - halfWidth, x + halfWidth, y - halfHeight, y + halfHeight}, policy, imageAspect);
@@ -123,7 +137,7 @@ wavefront::CameraData ConvertCamera(const std::string& path, const CameraParams&
   if (p.fStop > 0 && !camera.orthographic) {
     if (p.focusDistance > 0) {
       // The aperture's diameter is focal length / f-number.
-      camera.lensRadius = static_cast<float>(p.focalLength * p.apertureUnit / (2 * double{p.fStop}));
+      camera.lensRadius = static_cast<float>(p.focalLength / (2 * double{p.fStop}));
       camera.focusDistance = p.focusDistance;
     } else {
       sink({wavefront::Severity::Warning, "camera-bad-value", path,

@@ -18,7 +18,7 @@ struct CameraParams {
   float horizontalAperture = 20.955f, verticalAperture = 15.2908f;  // in apertureUnit
   float horizontalApertureOffset = 0, verticalApertureOffset = 0;
   float focalLength = 50;
-  double apertureUnit = 0.1;               // scene units per aperture and focal length unit; Hydra hands over 1
+  double apertureUnit = 0.1;               // scene units per aperture and focal length unit; 1 from Hydra, which has scaled
   float clippingNear = 1, clippingFar = 1000000;  // scene units
   // Camera space, scene units: (a, b, c, d) clips off points with a x + b y + c z + d < 0.
   std::vector<wavefront::Float4> clippingPlanes;

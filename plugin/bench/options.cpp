@@ -64,6 +64,7 @@ const std::vector<Flag>& Flags() {
       {"--validate", nullptr, "with Vulkan's validation layer; its messages are counted, and any makes the exit code 3", on(&Options::validate)},
       {"--json", "FILE", "write what is printed, and more, as JSON", text(&Options::json)},
       {"--image", "FILE.pfm", "write the last picture's colour, scene-linear, as a portable float map", text(&Options::image)},
+      {"--compare", nullptr, "say what differs between two scene files, a line a field, and render nothing", on(&Options::compare)},
       {"--write", "FILE", "write the last scene of a sweep as a scene file, and render nothing", text(&Options::write)},
       {"--listDevices", nullptr, "print the Vulkan devices and end", on(&Options::listDevices)},
       {"--help", nullptr, "print this and end", on(&Options::help)},
@@ -95,6 +96,7 @@ wavefront::Result<Options> ParseOptions(std::span<const char* const> arguments) 
   if (options.help || options.listDevices) return options;
   if (options.files.empty() == options.sweep.empty())
     return wavefront::Error{options.sweep.empty() ? "A scene file or --sweep is wanted." : "Scene files and --sweep cannot both be given."};
+  if (options.compare && options.files.size() != 2) return wavefront::Error{"--compare wants two scene files."};
   if (!options.write.empty() && options.sweep.empty()) return wavefront::Error{"--write goes with --sweep."};
   return options;
 }
@@ -105,7 +107,7 @@ std::string Usage() {
       "       wavefront-bench --sweep NAME [options]   scenes made here: " + SweepNames(", ") + "\n\n"
       "Renders each scene by the wavefront loop and by the megakernel in turn, after one render of each that is not counted,\n"
       "and says how fast, where the time went, and whether the pictures are the same to the bit.\n"
-      "Exit codes: 0 done; 1 input or environment failed; 2 wrong usage; 3 pictures differ, or validation messages.\n\n";
+      "Exit codes: 0 done; 1 input or environment failed; 2 wrong usage; 3 pictures or scenes differ, or validation messages.\n\n";
   for (const Flag& flag : Flags()) {
     std::string left = std::string("  ") + flag.name + (flag.value ? std::string(" ") + flag.value : "");
     left.resize(std::max<std::size_t>(left.size() + 1, 24), ' ');

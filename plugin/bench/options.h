@@ -21,7 +21,7 @@ struct Options {
   uint32_t samples = 0, width = 0, height = 0;  // 0: the scene's
   std::vector<uint32_t> pools;      // 0: what suits the device
   std::string device;
-  bool validate = false, quick = false, listDevices = false, help = false;
+  bool validate = false, compare = false, quick = false, listDevices = false, help = false;
   std::string json, image, write;   // files; empty: none
 };
 

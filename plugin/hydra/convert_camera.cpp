@@ -2,47 +2,22 @@
 // Copyright the hdWavefront authors
 #include "plugin/hydra/convert_camera.h"
 
-#include <pxr/base/gf/camera.h>
 #include <pxr/base/gf/range1f.h>
 
 #include <algorithm>
-#include <charconv>
-#include <cmath>
 
 #include "plugin/hydra/convert_value.h"
 
 namespace hydra {
-namespace {
-
-size_t Digits(float value) {
-  char text[64];
-  return static_cast<size_t>(std::to_chars(text, text + sizeof(text), value).ptr - text);
-}
-
-// The float that became `scaled` by multiplication with the aperture unit. Two or three neighbours may have: authored
-// numbers are those with few digits. Where none did (a host that computes in scene units), the nearest one.
-float Authored(float scaled) {
-  const auto nearest = static_cast<float>(double{scaled} / GfCamera::APERTURE_UNIT);
-  float best = nearest;
-  for (const float direction : {-INFINITY, INFINITY}) {
-    const float other = std::nextafter(nearest, direction);
-    const bool fits = static_cast<float>(double{other} * GfCamera::APERTURE_UNIT) == scaled;
-    if (fits && Digits(other) < Digits(best)) best = other;
-  }
-  return best;
-}
-
-}  // namespace
-
 delegate::CameraParams ToCameraParams(const HdCamera& camera, const std::function<VtValue(const TfToken&)>& extra) {
   delegate::CameraParams params;
   params.projection = camera.GetProjection() == HdCamera::Orthographic ? "orthographic" : "perspective";
-  params.horizontalAperture = Authored(camera.GetHorizontalAperture());
-  params.verticalAperture = Authored(camera.GetVerticalAperture());
-  params.horizontalApertureOffset = Authored(camera.GetHorizontalApertureOffset());
-  params.verticalApertureOffset = Authored(camera.GetVerticalApertureOffset());
-  params.focalLength = Authored(camera.GetFocalLength());
-  params.apertureUnit = GfCamera::APERTURE_UNIT;
+  params.horizontalAperture = camera.GetHorizontalAperture();
+  params.verticalAperture = camera.GetVerticalAperture();
+  params.horizontalApertureOffset = camera.GetHorizontalApertureOffset();
+  params.verticalApertureOffset = camera.GetVerticalApertureOffset();
+  params.focalLength = camera.GetFocalLength();
+  params.apertureUnit = 1;  // Hydra has them in scene units
   params.clippingNear = camera.GetClippingRange().GetMin();
   params.clippingFar = camera.GetClippingRange().GetMax();
   for (const GfVec4d& plane : camera.GetClipPlanes()) {

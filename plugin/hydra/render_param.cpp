@@ -111,14 +111,22 @@ bool RenderParam::CommitAndStart(const delegate::RenderPassUpdate& pass) {
   const wavefront::Status committed = core_->CommitResources();
   PostDiagnostics();
   if (!committed) return Fail(committed.error().message);
+  if (!captureFile_.empty()) return Capture();
   if (stopped_) return true;
   if (const wavefront::Status started = core_->Start(); !started) return Fail(started.error().message);
   if (paused_) core_->Pause();
   return true;
 }
 
+bool RenderParam::Capture() {
+  const auto written = core_->WriteCapture(captureFile_, TfGetBaseName(captureFile_), HDWAVEFRONT_VERSION);
+  if (!written) return Fail(written.error().message);
+  TF_STATUS("hdWavefront: wrote %s and renders nothing, since HDWAVEFRONT_CAPTURE names it.", captureFile_.c_str());
+  return true;
+}
+
 bool RenderParam::IsConverged() const {
-  if (failed_ || stopped_) return true;
+  if (failed_ || stopped_ || !captureFile_.empty()) return true;
   if (core_->IsConverged()) return true;
   return !core_->status().ok();
 }

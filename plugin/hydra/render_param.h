@@ -55,6 +55,9 @@ class RenderParam final : public HdRenderParam {
   void SetTextureLoader(TextureLoader loader) { loadTexture_ = std::move(loader); }
 
   // --- The render.
+  // With a core that was made for it: every commit writes the scene to this file, nothing is rendered, and all counts as
+  // converged.
+  void CaptureTo(std::string file) { captureFile_ = std::move(file); }
   // Textures, commit, start: everything between Execute and the picture. False, and a runtime error posted, where it
   // cannot be rendered; the picture then counts as converged, so that no host waits for it.
   bool CommitAndStart(const delegate::RenderPassUpdate& pass);
@@ -77,10 +80,12 @@ class RenderParam final : public HdRenderParam {
   void FlushInstances();
   void LoadTextures();
   void LoadTiles(const delegate::TextureLoadRequest& request);
+  bool Capture();
   bool Fail(const std::string& message);
 
   std::unique_ptr<delegate::RenderDelegate> core_;
   TextureLoader loadTexture_;
+  std::string captureFile_;
   Snapshot snapshot_;
   std::atomic<bool> edited_{true}, failed_{false}, paused_{false}, stopped_{false};
 

@@ -22,7 +22,9 @@ HdRenderDelegate* HdWavefrontRendererPlugin::CreateRenderDelegate(const HdRender
     TF_RUNTIME_ERROR("hdWavefront cannot be used: %s", core.error().message.c_str());
     return nullptr;
   }
-  return new hydra::RenderDelegate(std::move(core).value(), settingsMap);
+  auto* made = new hydra::RenderDelegate(std::move(core).value(), settingsMap);
+  made->param().CaptureTo(hydra::CaptureFile());
+  return made;
 }
 
 void HdWavefrontRendererPlugin::DeleteRenderDelegate(HdRenderDelegate* renderDelegate) { delete renderDelegate; }

@@ -19,9 +19,12 @@ std::string ResourcePath() {
   return plugin ? plugin->GetResourcePath() : std::string();
 }
 
+std::string CaptureFile() { return TfGetenv("HDWAVEFRONT_CAPTURE"); }
+
 wavefront::Result<std::unique_ptr<delegate::RenderDelegate>> CreateCore(const HdRenderSettingsMap& settings) {
   delegate::RenderDelegateOptions options;
   options.materialxLibraries = TfGetenv("HDWAVEFRONT_MATERIALX", TfStringCatPaths(ResourcePath(), "materialx"));
+  options.captureOnly = !CaptureFile().empty();
   const auto limit = settings.find(HdRenderSettingsTokens->threadLimit);
   if (limit != settings.end())
     if (const auto threads = ToSetting(limit->second); threads && std::holds_alternative<int64_t>(*threads))

@@ -39,16 +39,19 @@ Encoding EncodingOf(const std::string& colorSpace) {
   return Encoding::Unknown;
 }
 
-// IEC 61966-2-1.
-float Decode(Encoding encoding, float v) {
+// sRGB as OpenColorIO has it, for the same texels as the Python host's: IEC 61966-2-1's power, and the line that touches it
+// (ExponentWithLinearTransform, gamma 2.4, offset 0.055), where the standard rounds slope and break (12.92, 0.04045).
+float Decode(Encoding encoding, float value) {
+  const double v = value, positive = std::max(v, 0.0);
   switch (encoding) {
     case Encoding::Srgb: {
-      const double s = v;
-      return static_cast<float>(s <= 0.04045 ? s / 12.92 : std::pow((s + 0.055) / 1.055, 2.4));
+      constexpr double kGamma = 2.4, kOffset = 0.055, kBreak = kOffset / (kGamma - 1);
+      static const double slope = std::pow((kBreak + kOffset) / (1 + kOffset), kGamma) / kBreak;
+      return static_cast<float>(v <= kBreak ? v * slope : std::pow((v + kOffset) / (1 + kOffset), kGamma));
     }
-    case Encoding::Gamma22: return std::pow(std::max(v, 0.0f), 2.2f);
-    case Encoding::Gamma18: return std::pow(std::max(v, 0.0f), 1.8f);
-    default: return v;
+    case Encoding::Gamma22: return static_cast<float>(std::pow(positive, 2.2));
+    case Encoding::Gamma18: return static_cast<float>(std::pow(positive, 1.8));
+    default: return value;
   }
 }
 

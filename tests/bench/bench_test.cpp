@@ -65,9 +65,11 @@ TEST(BenchOptions, AreReadAndRefused) {
   EXPECT_TRUE(options->wavefront && !options->megakernel && options->validate);
   EXPECT_EQ(options->runs, 7u);
   EXPECT_TRUE(parse({"--sweep", "lights", "--points", "1,2"}).ok());
+  EXPECT_TRUE(parse({"a", "b", "--compare"})->compare);
   for (const auto& wrong : std::vector<std::vector<const char*>>{
            {}, {"a", "--sweep", "lights"}, {"--sweep", "nothing"}, {"a", "--pool", "1,x"}, {"a", "--pool", "-1"}, {"a", "--pool", "99999999999"},
-           {"a", "--runs", "0"}, {"a", "--mode", "fast"}, {"a", "--json"}, {"a", "--nonsense"}, {"--sweep", "lights", "--points", "0"}})
+           {"a", "--runs", "0"}, {"a", "--mode", "fast"}, {"a", "--json"}, {"a", "--nonsense"}, {"--sweep", "lights", "--points", "0"},
+           {"a", "--compare"}, {"a", "b", "c", "--compare"}})
     EXPECT_FALSE(parse(wrong).ok());
   EXPECT_THAT(Usage(), testing::AllOf(HasSubstr("--pool"), HasSubstr("triangles")));
 }

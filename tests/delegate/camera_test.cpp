@@ -86,6 +86,31 @@ TEST(Camera, OrthographicApertureIsInTenthsOfASceneUnit) {
   ExpectWindow(Convert(p, 2, ConformPolicy::Fit), -10, 10, -5, 5);
 }
 
+// As UsdImaging multiplies before Hydra hands a camera over: in double precision 0.2 tenths would be another float.
+TEST(Camera, TenthsBecomeSceneUnitsInSinglePrecision) {
+  CameraParams p = Square();
+  p.projection = "orthographic";
+  p.horizontalAperture = p.verticalAperture = 0.2f;
+  const auto authored = Convert(p, 1, ConformPolicy::Fit);
+  p.horizontalAperture = p.verticalAperture = 0.2f * 0.1f;
+  p.apertureUnit = 1;
+  const auto scaled = Convert(p, 1, ConformPolicy::Fit);
+  EXPECT_EQ(authored.left, scaled.left);
+  EXPECT_EQ(authored.top, scaled.top);
+  EXPECT_NE(authored.right, 0.01f);  // the case tells the two apart
+}
+
+TEST(Camera, WhatMakesNoSenseIsReplacedInTheCamerasUnit) {
+  CameraParams p;
+  p.horizontalAperture = 0;
+  const auto tenths = Convert(p, 1.5, ConformPolicy::Fit);
+  p.verticalAperture = 1.52908f;
+  p.focalLength = 5;
+  p.apertureUnit = 1;
+  const auto units = Convert(p, 1.5, ConformPolicy::Fit);
+  EXPECT_FLOAT_EQ(tenths.left, units.left);
+}
+
 TEST(Camera, LensRadiusIsHalfTheFocalLengthOverFStop) {
   CameraParams p = Square();
   p.fStop = 2;

@@ -124,10 +124,11 @@ class DelegateSink : public EditSink {
 };
 
 // A real delegate. Fails the test and ends the program where there is no device: nothing here can be tested then.
-inline std::unique_ptr<delegate::RenderDelegate> MakeRealDelegate(uint32_t threads = 2) {
+inline std::unique_ptr<delegate::RenderDelegate> MakeRealDelegate(uint32_t threads = 2, bool captureOnly = false) {
   delegate::RenderDelegateOptions options;
   options.materialxLibraries = HDWAVEFRONT_MATERIALX_LIBRARIES;
   options.threads = threads;
+  options.captureOnly = captureOnly;
   auto made = delegate::RenderDelegate::Create(options);
   if (!made) {
     ADD_FAILURE() << made.error().message;

@@ -23,10 +23,11 @@ using testing::IsEmpty;
 
 class TestCamera : public HdCamera {
  public:
+  // As UsdImaging scales.
   TestCamera(float aperture, float focalLength) : HdCamera(SdfPath("/camera")) {
-    _horizontalAperture = static_cast<float>(aperture * GfCamera::APERTURE_UNIT);
+    _horizontalAperture = aperture * float(GfCamera::APERTURE_UNIT);
     _verticalAperture = _horizontalAperture;
-    _focalLength = static_cast<float>(focalLength * GfCamera::APERTURE_UNIT);
+    _focalLength = focalLength * float(GfCamera::FOCAL_LENGTH_UNIT);
     _clippingRange = GfRange1f(0.5f, 100);
     _fStop = 2.8f;
     _focusDistance = 7;
@@ -34,15 +35,27 @@ class TestCamera : public HdCamera {
   }
 };
 
-TEST(ConvertCamera, AuthoredNumbersAreRecovered) {
-  for (const float aperture : {20.955f, 15.2908f, 36.0f, 23.6f, 24.892f, 0.1f})
-    for (const float focal : {50.0f, 35.0f, 18.147562f, 85.3f, 14.0f}) {
-      const TestCamera camera(aperture, focal);
-      const auto params = ToCameraParams(camera, [](const TfToken&) { return VtValue(); });
-      EXPECT_EQ(params.horizontalAperture, aperture);
-      EXPECT_EQ(params.focalLength, focal);
-      EXPECT_EQ(params.apertureUnit, GfCamera::APERTURE_UNIT);
-    }
+// What `hdwavefront record` hands over, authored numbers in tenths, is the same camera to the bit.
+TEST(ConvertCamera, ItIsTheAuthoredCameraToTheBit) {
+  for (const std::string projection : {"orthographic", "perspective"})
+    for (const float aperture : {20.955f, 15.2908f, 36.0f, 23.6f, 24.892f, 0.1f, 0.2f, 0.70000005f})
+      for (const float focal : {50.0f, 35.0f, 18.147562f, 85.3f, 14.0f}) {
+        delegate::CameraParams authored;
+        authored.projection = projection;
+        authored.horizontalAperture = authored.verticalAperture = aperture;
+        authored.focalLength = focal;
+        authored.fStop = 2.8f;
+        authored.focusDistance = 7;
+        auto params = ToCameraParams(TestCamera(aperture, focal), [](const TfToken&) { return VtValue(); });
+        params.projection = projection;
+        const auto convert = [](const delegate::CameraParams& p) {
+          return ConvertCamera("/camera", p, {{0, {}}}, 1.5, delegate::ConformPolicy::Fit, [](const auto&) {});
+        };
+        const auto ours = convert(params), theirs = convert(authored);
+        EXPECT_EQ(ours.left, theirs.left) << projection << " " << aperture << " " << focal;
+        EXPECT_EQ(ours.top, theirs.top) << projection << " " << aperture << " " << focal;
+        EXPECT_EQ(ours.lensRadius, theirs.lensRadius) << projection << " " << aperture << " " << focal;
+      }
 }
 
 TEST(ConvertCamera, LensAndExposure) {

@@ -48,14 +48,15 @@ class RenderTask final : public HdTask {
 };
 
 struct Host {
-  hydra::RenderDelegate renderDelegate{delegate_test::MakeRealDelegate(), {}};
+  hydra::RenderDelegate renderDelegate;
   std::unique_ptr<HdRenderIndex> index{HdRenderIndex::New(&renderDelegate, {})};
   SceneDelegate scene{index.get()};
   HdSink sink{*index, scene};
   std::shared_ptr<RenderTask> task = std::make_shared<RenderTask>(*index);
   HdEngine engine;
 
-  Host() {
+  explicit Host(std::unique_ptr<delegate::RenderDelegate> core = delegate_test::MakeRealDelegate())
+      : renderDelegate(std::move(core), {}) {
     renderDelegate.param().SetTextureLoader([](const delegate::TextureKey& key) {
       return wavefront::Result<wavefront::TextureData>(delegate_test::SceneTexture(key.resolvedPath));
     });

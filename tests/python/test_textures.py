@@ -72,6 +72,19 @@ def test_srgb_bytes_become_linear_halves(load, tmp_path):
         np.testing.assert_allclose(got[..., 3], pixels[..., 3] / 255, atol=5e-4)
 
 
+@pytest.mark.parametrize(("space", "power"), [("sRGB", 0), ("g22_rec709", 2.2), ("g18_rec709", 1.8)])
+def test_every_byte_becomes_the_half_that_the_hydra_plugin_makes_of_it(load, tmp_path, space, power):
+    """To the bit: the same formula stands in tests/hydra/texture_loader_test.cpp."""
+    ramp = np.repeat(np.arange(256, dtype=np.uint8), 3).reshape(1, 256, 3)
+    value = (np.arange(256, dtype=np.float32) / np.float32(255)).astype(np.float64)
+    end = 0.055 / 1.4
+    slope = ((end + 0.055) / 1.055) ** 2.4 / end
+    srgb = np.where(value <= end, value * slope, ((value + 0.055) / 1.055) ** 2.4)
+    expected = (value**power if power else srgb).astype(np.float32).astype(np.float16)
+    got = load(write(tmp_path / "ramp.png", ramp), space)
+    assert (got[0, :, :3].view(np.uint16) == expected.view(np.uint16)[:, None]).all()
+
+
 @pytest.mark.parametrize("channels", [1, 2])
 def test_grey_fills_the_colours_and_a_second_channel_is_alpha(load, tmp_path, channels):
     pixels = gradient(channels)

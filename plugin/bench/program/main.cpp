@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <cstdlib>
 
+#include "delegate/capture/compare_scenes.h"
 #include "delegate/capture/scene_file.h"
 #include "plugin/bench/measure.h"
 #include "plugin/bench/options.h"
@@ -78,6 +79,13 @@ int Finish(const Bench& bench) {
   return kDone;
 }
 
+int Compare(const delegate::CapturedScene& a, const delegate::CapturedScene& b) {
+  const std::vector<std::string> lines = delegate::CompareScenes(a, b);
+  for (const std::string& line : lines) std::printf("%s\n", line.c_str());
+  if (lines.empty()) std::printf("The same to the bit.\n");
+  return lines.empty() ? kDone : kDifferent;
+}
+
 int Main(const Options& options) {
   std::vector<delegate::CapturedScene> scenes;  // a bad file is said before anything is rendered
   for (const std::string& file : options.files) {
@@ -85,6 +93,7 @@ int Main(const Options& options) {
     if (!scene) return Fail(scene.error().message);
     scenes.push_back(std::move(scene).value());
   }
+  if (options.compare) return Compare(scenes[0], scenes[1]);
   auto device = wavefront::MeasureCopyBandwidth(options.device);
   if (!device) return Fail(device.error().message);
   const bool cpu = device->type == "CPU";

@@ -215,8 +215,9 @@ class RenderDelegate:
     ) -> None:
         """
         params: the whole set, UsdGeomCamera's attributes by name: projection, horizontalAperture, verticalAperture,
-            horizontalApertureOffset, verticalApertureOffset, focalLength (tenths of a scene unit), clippingRange, clippingPlanes (n, 4),
-            fStop, focusDistance, exposure, exposure:time, exposure:iso, exposure:fStop, exposure:responsivity,
+            horizontalApertureOffset, verticalApertureOffset, focalLength, apertureUnit (scene units of these five: 0.1),
+            clippingRange, clippingPlanes (n, 4), fStop, focusDistance, exposure, exposure:time, exposure:iso,
+            exposure:fStop, exposure:responsivity,
             shutter:open, shutter:close. Absent ones take the schema's fallback.
         """
 

@@ -81,6 +81,7 @@ delegate::CameraParams ReadCamera(nb::handle value) {
         return;
       }
     if (key == "projection") p.projection = ReadString(item, key);
+    else if (key == "apertureUnit") p.apertureUnit = ReadNumber(item, key);
     else if (key == "shutter:open") p.shutterOpen = ReadNumber(item, key);
     else if (key == "shutter:close") p.shutterClose = ReadNumber(item, key);
     else if (key == "clippingRange") {

@@ -6,11 +6,13 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <limits>
 
+#include "delegate/capture/compare_scenes.h"
 #include "delegate/capture/scene_recorder.h"
 
 namespace {
@@ -348,6 +350,51 @@ TEST(ShrinkTextures, TakesMeansUntilTheyFit) {
   uint16_t half;
   std::memcpy(&half, scene.textures[1].texels.data(), 2);
   EXPECT_EQ(half, 0x3400) << "a quarter of one";
+}
+
+TEST(CompareScenes, NamesEveryFieldThatDiffers) {
+  using testing::ElementsAre;
+  const std::pair<void (*)(CapturedScene&), const char*> edits[] = {
+      {[](CapturedScene& s) { s.settings.samples = 6; }, "settings.samples: 6 against 5"},
+      {[](CapturedScene& s) { s.settings.aovs[1] = Aov::Normal; }, "settings.aovs[1]: "},
+      {[](CapturedScene& s) { s.camera.top = std::nextafter(6.0f, 7.0f); }, "camera.top: 6.00000048 against 6"},
+      {[](CapturedScene& s) { s.camera.transforms[0].value.m[1][0] = -0.0; }, "camera.transforms[0].value: "},
+      {[](CapturedScene& s) { s.textures[0].texels[3] = 9; }, "texture wood.png.texels[3]: 9 against 4"},
+      {[](CapturedScene& s) { s.materials[5].parameters[1].w = 9; }, "material /m.parameters[1]: (5, 6, 7, 9) against (5, 6, 7, 8)"},
+      {[](CapturedScene& s) { s.meshes[9].positions.push_back({}); }, "mesh /mesh.positions: 4 against 3 elements"},
+      {[](CapturedScene& s) { s.meshes[9].primvars[1].values = {7, 2, 8}; }, "mesh /mesh.primvars[1].values[0]: 7 against 1; 2 elements differ"},
+      {[](CapturedScene& s) { s.meshes[9].displacements[1] = nullptr; }, "mesh /mesh.displacements[1]: in one only"},
+      {[](CapturedScene& s) { s.instances[2].transforms[1][0].value.m[3][0] = 0.2; }, "instances /mesh.transforms[1][0].value: "},
+      {[](CapturedScene& s) { s.instances[2].materials[1] = 5; }, "materials of /mesh[1]: \"/m\" against \"\""},
+      {[](CapturedScene& s) { s.lights[0].focusTint.y = 1; }, "light /light.focusTint: (1, 1, 1) against (1, 0, 1)"},
+      {[](CapturedScene& s) { s.lights[0].texture = 0; }, "texture of /light[0]: \"wood.png\" against \"sky.exr\""}};
+  for (const auto& [edit, line] : edits) {
+    CapturedScene edited = FullScene();
+    edit(edited);
+    EXPECT_THAT(CompareScenes(edited, FullScene()), ElementsAre(testing::StartsWith(line)));
+  }
+  CapturedScene without = FullScene();
+  without.lights.clear();
+  EXPECT_THAT(CompareScenes(FullScene(), without), ElementsAre("light /light: in the first only", "texture of /light: in the first only"));
+  EXPECT_THAT(CompareScenes(without, FullScene()), ElementsAre("light /light: in the second only", "texture of /light: in the second only"));
+}
+
+TEST(CompareScenes, IdsAreTheOrderOfArrivalAndDoNotCount) {
+  CapturedScene other = FullScene();
+  const auto renumber = [](auto& all, uint32_t from, uint32_t to) {
+    auto node = all.extract(from);
+    node.key() = to;
+    all.insert(std::move(node));
+  };
+  renumber(other.meshes, 9, 1);
+  renumber(other.instances, 2, 8);
+  renumber(other.lights, 0, 4);
+  renumber(other.materials, 5, 1);
+  renumber(other.textures, 3, 5);
+  other.instances[8].mesh = 1;
+  other.instances[8].materials[0] = 1;
+  other.lights[4].texture = 5;
+  EXPECT_THAT(CompareScenes(other, FullScene()), testing::IsEmpty());
 }
 
 }  // namespace

@@ -124,7 +124,10 @@ class ColorManager:
             processor = None
             if source and not self.is_data(source) and not self.is_data(target):
                 full = self._between(source, target)
-                processor = None if full.isNoOp() else full.getDefaultCPUProcessor()
+                # Without the fast power, which is off by 2e-5: textures would be others than the Hydra plugin's.
+                exact = ~int(self._ocio.OPTIMIZATION_FAST_LOG_EXP_POW) & int(self._ocio.OPTIMIZATION_DEFAULT)
+                flags = self._ocio.OptimizationFlags(exact)
+                processor = None if full.isNoOp() else full.getOptimizedCPUProcessor(flags)
             self._processors[key] = processor
         return self._processors[key]
 

@@ -159,11 +159,13 @@ def free_camera(stage: Usd.Stage, time: Usd.TimeCode, purposes: frozenset[str]) 
         transform.SetTranslateOnly(center + Gf.Vec3d(0, -distance, 0))
     camera.transform = transform
     transform = camera.frustum.ComputeViewMatrix().GetInverse()
+    projection = camera.frustum.ComputeProjectionMatrix()
     params: Update = {
         "projection": "perspective",
-        "horizontalAperture": float(camera.horizontalAperture),
-        "verticalAperture": float(camera.verticalAperture),
-        "focalLength": float(camera.focalLength),
+        "horizontalAperture": 2 / projection[0][0],
+        "verticalAperture": 2 / projection[1][1],
+        "focalLength": 1.0,
+        "apertureUnit": 1.0,
         "clippingRange": (near, max(1e6, 10 * distance)),
     }
     return params, matrix_array(transform)

@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the hdWavefront authors
+// Images through Hio are the texels that the Python host makes of the same file (tests/python/test_textures.py).
+#include <gtest/gtest.h>
+#include <pxr/base/gf/half.h>
+#include <pxr/imaging/hio/image.h>
+
+#include <cmath>
+#include <cstring>
+#include <filesystem>
+
+#include "plugin/hydra/texture_loader.h"
+
+namespace hydra {
+namespace {
+
+// Every byte, in a file that is gone when the test ends.
+class BytesFile {
+ public:
+  BytesFile() {
+    std::vector<uint8_t> bytes(256 * 3);
+    for (size_t i = 0; i < bytes.size(); ++i) bytes[i] = static_cast<uint8_t>(i / 3);
+    HioImage::StorageSpec spec;
+    spec.width = 256;
+    spec.height = spec.depth = 1;
+    spec.format = HioFormatUNorm8Vec3;
+    spec.data = bytes.data();
+    const auto image = HioImage::OpenForWriting(path());
+    written_ = image && image->Write(spec);
+  }
+  ~BytesFile() { std::filesystem::remove(path()); }
+  bool written() const { return written_; }
+  std::string path() const { return (std::filesystem::temp_directory_path() / "hdwavefront_ramp.png").string(); }
+
+ private:
+  bool written_ = false;
+};
+
+// The same formula stands in the Python host's test.
+float Linear(int byte, const std::string& space) {
+  const double v = byte / 255.0f;
+  if (space == "g22_rec709") return static_cast<float>(std::pow(v, 2.2));
+  if (space == "g18_rec709") return static_cast<float>(std::pow(v, 1.8));
+  const double end = 0.055 / 1.4;
+  const double slope = std::pow((end + 0.055) / 1.055, 2.4) / end;
+  return static_cast<float>(v <= end ? v * slope : std::pow((v + 0.055) / 1.055, 2.4));
+}
+
+TEST(TextureLoader, EveryByteBecomesTheHalfThatThePythonHostMakesOfIt) {
+  const BytesFile ramp;
+  ASSERT_TRUE(ramp.written());
+  for (const std::string space : {"sRGB", "g22_rec709", "g18_rec709"}) {
+    delegate::TextureKey key;
+    key.resolvedPath = ramp.path();
+    key.colorSpace = space;
+    key.isColor = true;
+    auto texture = LoadTexture(key);
+    ASSERT_TRUE(texture.ok()) << texture.error().message;
+    ASSERT_EQ(texture->format, wavefront::TexelFormat::Rgba16Float);
+    ASSERT_EQ(texture->texels.size(), 256u * 8);
+    for (int byte = 0; byte < 256; ++byte) {
+      uint16_t texel[4];
+      std::memcpy(texel, &texture->texels[static_cast<size_t>(byte) * 8], sizeof texel);
+      EXPECT_EQ(texel[0], GfHalf(Linear(byte, space)).bits()) << space << " " << byte;
+      EXPECT_EQ(texel[2], texel[0]);
+      EXPECT_EQ(texel[3], GfHalf(1.0f).bits());
+    }
+  }
+}
+
+}  // namespace
+}  // namespace hydra
