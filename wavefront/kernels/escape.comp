@@ -65,13 +65,13 @@ void main() {
   vec4 radiance = uintBitsToFloat(loadPath(kChunkRadiance, path));
   uvec4 cone = loadPath(kChunkCone, path);
   float spread = uintBitsToFloat(cone.x);
-  if (hit.x == 0xffffffffu) {
-    radiance = addMiss(radiance, throughput.rgb, direction, throughput.a, spread, cone.w);
+  if (!kHasLightShapes || hit.x == 0xffffffffu) {
+    if (kHasInfiniteLights) radiance = addMiss(radiance, throughput.rgb, direction, throughput.a, spread, cone.w);
   } else {
     float t = uintBitsToFloat(extra.x);
     radiance = addShape(radiance, throughput.rgb, hit.x, origin.xyz, direction, t, uintBitsToFloat(extra.w) + spread * t, throughput.a, cone.w);
   }
-  if (hit.x != 0xffffffffu && pathBounce(ids.w) != 0u) {
+  if (kHasLightShapes && hit.x != 0xffffffffu && pathBounce(ids.w) != 0u) {
     storePathF(kChunkRadiance, path, radiance);
     storePath(kChunkRayOrigin, path, uvec4(floatBitsToUint(origin.xyz), extra.x));
     storePath(kChunkHitDistance, path, uvec4(extra.x, hit.xy, extra.w));

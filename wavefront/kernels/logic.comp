@@ -48,7 +48,7 @@ void main() {
       vec4 throughput = uintBitsToFloat(loadPath(kChunkThroughput, path));
       uvec4 medium = loadPath(kChunkMedium, path);
       uint bounce = pathBounce(ids.w);
-      bool missed = hit.x == 0xffffffffu, walks = (ids.w & kFlagSubsurface) != 0u;
+      bool missed = hit.x == 0xffffffffu, walks = kHasScatteringMedia && (ids.w & kFlagSubsurface) != 0u;
       // Inside of a body that scatters a ray ends after a free flight: a miss is a scattering event.
       bool scatters = missed && mediumScatters(medium);
       escaped = missed && !scatters;
@@ -59,7 +59,7 @@ void main() {
         if (bounce == 0u) radiance.a = 1.0;
       }
       if (!missed && !walks) {
-        escaped = (instanceWord(hit.x, 3u).z & kInstanceKindMask) != kKindMesh;  // an analytic light scatters nothing
+        escaped = kHasLightShapes && (instanceWord(hit.x, 3u).z & kInstanceKindMask) != kKindMesh;  // an analytic light scatters nothing
         behindLight = escaped && bounce != 0u;
       }
       bool last = bounce >= frame.maxBounces;

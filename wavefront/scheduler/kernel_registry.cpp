@@ -39,11 +39,39 @@ bool IsForMedia(Kernel kernel) {
   return kernel == Kernel::MediumScatter || kernel == Kernel::SubsurfaceWalk || kernel == Kernel::SubsurfaceExit;
 }
 
+bool GoesByFeatures(Kernel kernel) {
+  switch (kernel) {
+    case Kernel::Logic: case Kernel::LightSample: case Kernel::Escape: case Kernel::MediumScatter: case Kernel::ExtensionRay: return true;
+    default: return false;
+  }
+}
+
 const char* EntryName(KernelEntry entry) {
   return entry == KernelEntry::Surface ? "surface" : entry == KernelEntry::Opacity ? "opacity" : "emission";
 }
 
 }  // namespace
+
+SceneFeatures SceneFeatures::Of(const SceneFacts& facts) {
+  const bool LightShapes = facts.lightCount > facts.infiniteLightCount;
+  const bool EmissiveMeshes = facts.lightItemCount > facts.lightCount;
+  const bool LightTree = facts.lightTree != 0;
+  const bool InfiniteLights = facts.infiniteLightCount != 0;
+  const bool ScatteringMedia = facts.hasMedia;
+  SceneFeatures features;
+#define WAVEFRONT_FEATURE(Name, index, doc) features.bits |= Name ? 1u << index : 0u;
+#include "wavefront/shared/features.def"
+#undef WAVEFRONT_FEATURE
+  return features;
+}
+
+std::vector<std::pair<uint32_t, uint32_t>> SceneFeatures::Specialization() const {
+  return {
+#define WAVEFRONT_FEATURE(Name, index, doc) {kFirstConstant + index, bits >> index & 1u},
+#include "wavefront/shared/features.def"
+#undef WAVEFRONT_FEATURE
+  };
+}
 
 Result<std::unique_ptr<KernelRegistry>> KernelRegistry::Create(vulkan::Device& device) {
   std::unique_ptr<KernelRegistry> registry(new KernelRegistry(device));
@@ -55,7 +83,8 @@ Result<std::unique_ptr<KernelRegistry>> KernelRegistry::Create(vulkan::Device& d
     KernelTimes times;
     times.name = kFixed[k].file;
     registry->times_.push_back(times);
-    if (IsStandIn(static_cast<Kernel>(k))) continue;  // made when a kernel is waited for
+    // Made when a kernel is waited for, or when the scene is known.
+    if (IsStandIn(static_cast<Kernel>(k)) || GoesByFeatures(static_cast<Kernel>(k))) continue;
     auto pipeline = registry->CreateFixed(static_cast<Kernel>(k));
     if (!pipeline) return pipeline.error();
     registry->fixed_[k] = std::move(pipeline).value();
@@ -66,7 +95,9 @@ Result<std::unique_ptr<KernelRegistry>> KernelRegistry::Create(vulkan::Device& d
 Result<std::unique_ptr<vulkan::ComputePipeline>> KernelRegistry::CreateFixed(Kernel kernel) {
   const auto k = static_cast<uint32_t>(kernel);
   const auto spirv = KernelSpirv(kFixed[k].file);
-  auto pipeline = vulkan::ComputePipeline::Create(device_, *layout_, {spirv, "main", {}, kFixed[k].file});
+  vulkan::PipelineDesc desc{spirv, "main", {}, kFixed[k].file};
+  if (GoesByFeatures(kernel)) desc.specialization = features_.Specialization();
+  auto pipeline = vulkan::ComputePipeline::Create(device_, *layout_, desc);
   if (!pipeline) return pipeline;
   times_[k].compile.createSeconds = pipeline.value()->creationSeconds();
   times_[k].compile.spirvBytes = spirv.size_bytes();
@@ -87,6 +118,21 @@ Status KernelRegistry::WarmUp(const vulkan::ComputePipeline& pipeline, KernelTim
   if (!value) return value.error();
   if (auto done = stream.Wait(value.value()); !done) return done.error();
   times.compile.firstDispatchSeconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return {};
+}
+
+Status KernelRegistry::Specialize(SceneFeatures features) {
+  features.bits |= features_.bits;
+  if (specialized_ && features.bits == features_.bits) return {};
+  features_ = features;
+  specialized_ = true;
+  for (uint32_t k = 0; k < kKernelCount; ++k) {
+    if (!GoesByFeatures(static_cast<Kernel>(k))) continue;
+    auto pipeline = CreateFixed(static_cast<Kernel>(k));
+    if (!pipeline) return pipeline.error();
+    fixed_[k] = std::move(pipeline).value();
+    fixedWarm_[k] = false;
+  }
   return {};
 }
 

@@ -7,16 +7,28 @@
 #include <array>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "wavefront/base/diagnostics.h"
 #include "wavefront/scene/material_table.h"
+#include "wavefront/scene/scene_commit.h"
 #include "wavefront/scheduler/kernel_compiler.h"
 #include "wavefront/vulkan/command_stream.h"
 #include "wavefront/vulkan/descriptors.h"
 #include "wavefront/vulkan/pipeline.h"
 
 namespace wavefront {
+
+// One bit per row of shared/features.def.
+struct SceneFeatures {
+  static constexpr uint32_t kFirstConstant = 1000;  // as lib/features.glsl has it
+  uint32_t bits = 0;
+
+  static SceneFeatures Of(const SceneFacts& facts);
+  // (constant_id, bits), as PipelineDesc has it.
+  std::vector<std::pair<uint32_t, uint32_t>> Specialization() const;
+};
 
 enum class Kernel : uint32_t {
 #define WAVEFRONT_KERNEL(Name, file, doc) Name,
@@ -52,6 +64,10 @@ class KernelRegistry {
 
   // Orders pipelines for used buckets that have none yet from threads of their own: this returns at once.
   void Order(const std::vector<Bucket>& buckets, const std::vector<bool>& used, unsigned threads);
+  // Makes the fixed kernels that go by features (shared/features.def) for a scene. What once was there counts as there from
+  // then on, so that lights that come and go compile nothing. Nothing that uses the kernels may be in flight.
+  Status Specialize(SceneFeatures features);
+  SceneFeatures features() const { return features_; }
   // Dispatches the fixed kernels once with no work: that is where lavapipe compiles.
   // Those of media wait for a scene with some.
   Status WarmUpFixed(bool media, vulkan::CommandStream& stream, const vulkan::DescriptorSet& set);
@@ -95,6 +111,8 @@ class KernelRegistry {
   std::vector<KernelTimes> times_;
   uint32_t pending_ = 0;
   std::array<bool, kKernelCount> fixedWarm_{};
+  SceneFeatures features_;
+  bool specialized_ = false;
   bool saidNoCache_ = false, saidTrouble_ = false;
   std::unique_ptr<KernelCompiler> compiler_;  // its threads use what stands above
 };

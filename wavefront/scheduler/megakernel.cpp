@@ -51,7 +51,7 @@ Result<bool> Megakernel::Prepare(const MaterialTable& materials, const std::vect
   }
   std::sort(keys.begin(), keys.end());
   keys.erase(std::unique(keys.begin(), keys.end()), keys.end());
-  if (pipeline_ && keys == keys_) return true;
+  if (pipeline_ && keys == keys_ && features_ == registry.features().bits) return true;
   if (!tooSlow_.empty() && keys == tooSlow_) return false;  // said once
   auto decline = [&](const char* code, const std::string& text) {
     *trouble = {Severity::Warning, code, "render", text + " The picture is rendered in wavefront mode."};
@@ -70,6 +70,7 @@ Result<bool> Megakernel::Prepare(const MaterialTable& materials, const std::vect
   vulkan::PipelineDesc desc;
   desc.spirv = spirv.value();
   desc.name = "megakernel";
+  desc.specialization = registry.features().Specialization();
   for (uint32_t k = 0; k < keys.size(); ++k) {
     const KernelInfo* info = materials.Kernel(keys[k]);
     desc.specialization.insert(desc.specialization.end(), {{3 * k, info->surface}, {3 * k + 1, info->opacity}, {3 * k + 2, info->emission}});
@@ -91,6 +92,7 @@ Result<bool> Megakernel::Prepare(const MaterialTable& materials, const std::vect
   times_.compile.spirvBytes = spirv.value().size() * 4;
   pipeline_ = std::move(pipeline).value();
   keys_ = std::move(keys);
+  features_ = registry.features().bits;
   isWarm_ = false;
   return true;
 }

@@ -38,6 +38,7 @@ class Megakernel {
   vulkan::Device& device_;
   MegakernelLinker linker_;
   std::vector<std::string> keys_;  // of the pipeline, in the order of its constants
+  uint32_t features_ = 0;  // SceneFeatures that it was made for
   std::unique_ptr<vulkan::ComputePipeline> pipeline_;
   bool isWarm_ = false;
   std::vector<std::string> tooSlow_;  // kernels whose megakernel was given up

@@ -77,6 +77,7 @@ Status PathTracer::Configure(const RenderSettings& settings, const CameraData& c
   status_ = before_ = {};  // a paused host may ask before the first step
   facts_ = scene.facts();
   film_ = MakeFilmLayout(settings.aovs);
+  if (Status s = kernels_->Specialize(SceneFeatures::Of(facts_)); !s) return s;
   if (Status s = ChooseMode(scene, sink); !s) return s;
 
   const uint64_t range = device_.info().limits.maxStorageBufferRange;

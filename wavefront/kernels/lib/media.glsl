@@ -15,6 +15,7 @@
 #ifndef WAVEFRONT_LIB_MEDIA_GLSL
 #define WAVEFRONT_LIB_MEDIA_GLSL
 #include "lib/bindings.glsl"
+#include "lib/features.glsl"
 
 struct Medium {
   vec3 absorption;   // 1 / scene unit
@@ -42,7 +43,7 @@ uvec4 packMedium(Medium m, uint id) {
   bool scatters = (scattering.x | scattering.y | scattering.z) != 0u;
   return uvec4(packCoefficients(m.absorption) | scattering << 16, g | (scatters ? kMediumScatters : 0u) | id << 16);
 }
-bool mediumScatters(uvec4 medium) { return (medium.w & kMediumScatters) != 0u; }
+bool mediumScatters(uvec4 medium) { return kHasScatteringMedia && (medium.w & kMediumScatters) != 0u; }
 uint mediumId(uvec4 medium) { return medium.w >> 16; }
 float mediumAnisotropy(uvec4 medium) { return (float(medium.w & 0xfffu) - 2048.0) * (1.0 / 2047.0); }
 vec3 mediumScattering(uvec4 medium) { return unpackCoefficients(medium.xyz >> 16); }

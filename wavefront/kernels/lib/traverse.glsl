@@ -12,6 +12,7 @@
 #ifndef WAVEFRONT_LIB_TRAVERSE_GLSL
 #define WAVEFRONT_LIB_TRAVERSE_GLSL
 #include "shared/scene_layout.h"
+#include "lib/features.glsl"
 #include "lib/ray.glsl"
 #include "lib/bvh_fetch.glsl"
 #include "lib/intersect_triangle.glsl"
@@ -224,7 +225,7 @@ bool traverseClosest(Ray ray, uint visibilityMask, uint skipInstance, uint skipT
     uint instance = reference & kBvhLeafFirstMask;
     InstanceVisit visit = visitInstance(instance, ray, visibilityMask, skipInstance, skipMeshTriangle);
     uint kind = visit.flags & kInstanceKindMask;
-    if (visit.enter && kind != kKindMesh) {
+    if (kHasLightShapes && visit.enter && kind != kKindMesh) {
       float t, u, v;
       bool found = intersectLightShape(kind, visit.origin, visit.direction, tMin, visit.firstAtMin != 0u, t, u, v);
       if (found && isBefore(t, instance, 0u, best.t, best.instance, bestMeshTriangle)) {

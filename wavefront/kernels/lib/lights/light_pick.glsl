@@ -4,6 +4,7 @@
 // infinity. Where there is a light tree, one entry of the distribution behind them stands for all others.
 #ifndef WAVEFRONT_LIGHTS_LIGHT_PICK_GLSL
 #define WAVEFRONT_LIGHTS_LIGHT_PICK_GLSL
+#include "lib/features.glsl"
 #include "lib/lights/distribution.glsl"
 #include "lib/lights/light_tree.glsl"
 
@@ -11,7 +12,7 @@ uvec4 lightItem(uint item) { return texelFetch(lightItems, int(item)); }
 
 // The item that u, uniform in [0, 1), picks at p. A probability of 0 says that no light reaches p.
 uint pickLightItem(vec3 p, float u, out float probability) {
-  bool tree = frame.lightTree != 0u;
+  bool tree = kHasLightTree && frame.lightTree != 0u;
   uint item = searchCdf(0u, tree ? frame.infiniteLightCount + 1u : frame.lightItemCount, u);
   if (tree && item == frame.infiniteLightCount) {
     float before = distributionAt(item);
@@ -30,7 +31,7 @@ float infiniteLightProbability(uint item) { return uintBitsToFloat(lightItem(ite
 // Of that same choice at p.
 float lightItemProbability(uint item, vec3 p) {
   uint z = lightItem(item).z;
-  if (frame.lightTree == 0u || item < frame.infiniteLightCount) return uintBitsToFloat(z);
+  if (!kHasLightTree || frame.lightTree == 0u || item < frame.infiniteLightCount) return uintBitsToFloat(z);
   float inTree;
   lightTreeWalk(p, true, z, 0.0, inTree);
   return (1.0 - distributionAt(frame.infiniteLightCount)) * inTree;

@@ -3,6 +3,7 @@
 // Choosing a light item and sampling it. Items: one per analytic light, one per emissive triangle.
 #ifndef WAVEFRONT_LIGHTS_LIGHT_TABLE_GLSL
 #define WAVEFRONT_LIGHTS_LIGHT_TABLE_GLSL
+#include "lib/features.glsl"
 #include "lib/lights/shapes.glsl"
 #include "lib/lights/infinite.glsl"
 #include "lib/records.glsl"
@@ -29,7 +30,7 @@ LightSample sampleLightItem(uint item, float probability, vec3 p, vec2 u, float 
   uvec4 it = lightItem(item);
   LightSample s;
   radiance = vec3(1.0);
-  if (it.y != kNoLight) {
+  if (kHasEmissiveMeshes && it.y != kNoLight) {
     vec3 p0, e1, e2;
     lightTriangle(it, p0, e1, e2);
     vec2 b = sampleTriangle(u);
@@ -41,9 +42,10 @@ LightSample sampleLightItem(uint item, float probability, vec3 p, vec2 u, float 
     s.pdf = d2 > 0.0 ? trianglePdf(e1, e2, s.direction, s.distance) : 0.0;
   } else {
     Light l = lightLoad(it.x);
-    if (l.type == kLightDome) s = sampleDome(l, u);
-    else if (l.type == kLightDistant) s = sampleDistant(l, u);
-    else s = sampleShape(l, p, u);
+    s.pdf = 0.0;
+    if (kHasInfiniteLights && l.type == kLightDome) s = sampleDome(l, u);
+    else if (kHasInfiniteLights && l.type == kLightDistant) s = sampleDistant(l, u);
+    else if (kHasLightShapes) s = sampleShape(l, p, u);
     radiance = lightRadiance(l, -s.direction, s.unitPoint, footprint);
   }
   s.pdf *= probability;

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright the hdWavefront authors
+// Which code fixed kernels are made with, and when they are made again.
+#include <gtest/gtest.h>
+
+#include "tests/wavefront/vulkan/fixture.h"
+#include "wavefront/scheduler/kernel_registry.h"
+
+namespace wavefront {
+namespace {
+
+SceneFacts Lights(uint32_t infinite, uint32_t shapes, uint32_t triangles) {
+  SceneFacts facts;
+  facts.infiniteLightCount = infinite;
+  facts.lightCount = infinite + shapes;
+  facts.lightItemCount = facts.lightCount + triangles;
+  return facts;
+}
+
+constexpr uint32_t kLightShapes = 1, kEmissiveMeshes = 2, kLightTree = 4, kInfiniteLights = 8, kScatteringMedia = 16;
+
+TEST(SceneFeatures, AreThoseOfTheScene) {
+  EXPECT_EQ(SceneFeatures::Of(Lights(0, 0, 0)).bits, 0u);
+  EXPECT_EQ(SceneFeatures::Of(Lights(2, 0, 0)).bits, kInfiniteLights);
+  EXPECT_EQ(SceneFeatures::Of(Lights(0, 1, 0)).bits, kLightShapes);
+  EXPECT_EQ(SceneFeatures::Of(Lights(1, 1, 5)).bits, kInfiniteLights | kLightShapes | kEmissiveMeshes);
+  SceneFacts facts = Lights(0, 0, 20);
+  facts.lightTree = 7;
+  facts.hasMedia = true;
+  EXPECT_EQ(SceneFeatures::Of(facts).bits, kEmissiveMeshes | kLightTree | kScatteringMedia);
+}
+
+class SceneFeaturesTest : public vulkan::VulkanTest {};
+
+TEST_F(SceneFeaturesTest, KernelsAreMadeAgainForWhatIsNewAndNeverForWhatIsGone) {
+  auto kernels = vulkan::Must(KernelRegistry::Create(*device_));
+  ASSERT_TRUE(kernels->Specialize({kInfiniteLights}).ok());
+  const vulkan::ComputePipeline* first = &kernels->fixed(Kernel::LightSample);
+  ASSERT_TRUE(kernels->Specialize({0}).ok());
+  EXPECT_EQ(&kernels->fixed(Kernel::LightSample), first);
+  EXPECT_EQ(kernels->features().bits, kInfiniteLights);
+  kernels->times()[static_cast<uint32_t>(Kernel::LightSample)].compile.createSeconds = -1;
+  ASSERT_TRUE(kernels->Specialize({kLightShapes}).ok());
+  EXPECT_GE(kernels->times()[static_cast<uint32_t>(Kernel::LightSample)].compile.createSeconds, 0) << "made anew";
+  EXPECT_EQ(kernels->features().bits, kInfiniteLights | kLightShapes);
+}
+
+}  // namespace
+}  // namespace wavefront
