@@ -205,7 +205,10 @@ class Lineariser {
       return;
     }
     Id weight = Multiply(node.lobe->transmits ? weights_[id].transmitted : weights_[id].other, node.weight);
-    weight = Multiply(weight, node.tint);
+    // A tint may be 0 / 0 where the weight is 0 (glTF's sheen divides its colour by the weight). What is constant over the
+    // surface is computed on the CPU, which stores 0 for it.
+    const bool varies = e_[node.tint].rate == Class::Varying;
+    weight = Multiply(weight, varies ? e_.Arithmetic("positive", {node.tint}) : node.tint);
     if (e_.Decide(weight, 0)) return;
     result->transmits = result->transmits || (node.lobe->transmits && !node.lobe->thin);
     result->hasSubsurface = result->hasSubsurface || node.lobe->name == "subsurface";

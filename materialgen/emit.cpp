@@ -120,12 +120,13 @@ class Emitter {
            ", " + text(v.anisotropy, Type::Float, "0.0") + ")";
   }
   // Absorption, anisotropy; scattering, index. Whoever comes back into the body from another one inside reads them here.
+  // As where the kernel computes them: infinity is the most there is, what is no number is none.
   void FillBody(CompiledMaterial* result) const {
     const auto put = [&](Id id, size_t at, size_t count, float none, float most) {
       for (size_t i = 0; i < count; ++i) {
         const bool isKnown = id != kNone && e_.IsUniform(id);
         const float value = isKnown ? e_[id].value[Components(e_[id].type) == 1 ? 0 : i] : none;
-        result->parameters[at + i] = std::isfinite(value) ? std::clamp(value, count == 3 ? 0.0f : -most, most) : none;
+        result->parameters[at + i] = std::isnan(value) ? none : std::clamp(value, count == 3 ? 0.0f : -most, most);
       }
     };
     const Vdf& v = material_.closure.inside;

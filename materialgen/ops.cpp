@@ -111,6 +111,7 @@ const Op kOps[] = {
     {"ceil", "ceil($0)", [](float a, float, float) { return std::ceil(a); }},
     {"round", "round($0)", [](float a, float, float) { return std::round(a); }},
     {"fract", "fract($0)", [](float a, float, float) { return a - std::floor(a); }},
+    {"positive", "patternPositive($0)", [](float a, float, float) { return a > 0 ? a : 0; }},
     {"sign", "sign($0)", [](float a, float, float) { return float(a > 0) - float(a < 0); }},
     {"sqrt", "sqrt(max($0, 0.0))", [](float a, float, float) { return std::sqrt(std::max(a, 0.0f)); }},
     {"exp", "exp($0)", [](float a, float, float) { return std::exp(a); }},

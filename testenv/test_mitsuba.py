@@ -181,9 +181,40 @@ def scattering(mi: Any) -> dict[str, Any]:
     }
 
 
+def tinted_card(mi: Any) -> dict[str, Any]:
+    """Cards that only tint are `thindielectric` of index 1: light passes straight through."""
+    absorption, scattering = (0.05, 0.02, 0.1), (4, 1, 0.2)
+    total = [a + s for a, s in zip(absorption, scattering, strict=True)]
+    albedo = [s / t for s, t in zip(scattering, total, strict=True)]
+    milk = {"type": "homogeneous", "albedo": rgb(*albedo), "sigma_t": rgb(*(t / 5 for t in total)), "scale": 5.0,
+            "phase": {"type": "hg", "g": 0.3}}  # fmt: skip
+    glass = {"type": "dielectric", "int_ior": 1.3, "ext_ior": 1.0}
+    film = {"type": "thindielectric", "int_ior": 1.0, "ext_ior": 1.0, "specular_transmittance": rgb(0.95, 0.4, 0.1)}
+    inside = {"interior": milk, "exterior": milk}
+    return {
+        "sensor": sensor(mi, (0, 0.6, 7), -5, 0.5, (40, 40)),
+        "sky": {"type": "constant", "radiance": 1.0},
+        "floor": quad(mi, lambert(0.6), (-6, -1, 6), (6, -1, 6), (-6, -1, -6)),
+        "block": {
+            "type": "cube",
+            "to_world": transform(mi, r=(0, 30, 0), s=(0.9, 0.8, 0.6)),
+            "bsdf": glass,
+            "interior": milk,
+        },
+        "card": quad(mi, film, (-0.4, -0.5, 0.2), (0.4, -0.5, 0.2), (-0.4, 0.5, 0.2), **inside),
+        "shelf": quad(mi, film, (-0.4, 0.1, 0.1), (0.4, 0.1, 0.1), (-0.4, 0.1, -0.4), **inside),
+    }
+
+
 def subsurface(mi: Any) -> dict[str, Any]:
     """A random walk is a medium in a boundary that does nothing but diffuse transmission, both ways."""
-    boundary = {"type": "principledthin", "base_color": rgb(1, 1, 1), "diff_trans": 2.0, "roughness": 0.5, "spec_trans": 0.0}
+    boundary = {
+        "type": "principledthin",
+        "base_color": rgb(1, 1, 1),
+        "diff_trans": 2.0,
+        "roughness": 0.5,
+        "spec_trans": 0.0,
+    }
 
     def inside(color, radius, g: float) -> dict[str, Any]:
         # Kulla and Conty 2017, as wavefront/kernels/lib/subsurface.glsl.
@@ -210,6 +241,7 @@ SCENES = {
     "Mitsuba.Lights": (lights, "path", 3, 256, True, 1e-3),
     "Mitsuba.Absorption": (absorption, "volpath", 8, 768, True, 1e-3),
     "Mitsuba.Subsurface": (subsurface, "volpathmis", 128, 128, True, 1e-3),
+    "Mitsuba.TintedCard": (tinted_card, "volpathmis", 64, 512, True, 1e-3),
     "Mitsuba.Scattering": (scattering, "volpathmis", 64, 192, True, 1e-3),
 }
 

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright the hdWavefront authors
 """Rough conductors and dielectrics without energy compensation, against Walter et al. 2007 with Heitz's
-height-correlated masking, written out in double precision: the values themselves, and their integrals by quadrature over
-micro normals, which knows nothing of half vectors and their Jacobians.
+height-correlated masking, written out in double precision: the values themselves, and their integrals by quadrature
+over micro normals, which knows nothing of half vectors and their Jacobians.
 
 Refraction is as everywhere here not scaled by the square of the index (bsdf_common.glsl).
 """

@@ -84,7 +84,7 @@ void main() {
   uint i = gl_GlobalInvocationID.x;
   if (i * IN >= inputs.length()) return;
   float u = inputs[i * IN].x, wall = inputs[i * IN].y;
-  uvec4 medium = packMedium(Medium(inputs[i * IN + 1].rgb, inputs[i * IN + 2].rgb, 0.0), 7u);
+  uvec4 medium = packMedium(Medium(inputs[i * IN + 1].rgb, inputs[i * IN + 2].rgb, 0.0));
   vec3 throughput = inputs[i * IN + 3].rgb;
   float flight = mediumFlight(medium, throughput, u), way = min(flight, wall);
   bool scatters = flight < wall;
@@ -119,3 +119,28 @@ def test_flights_and_weights_are_the_transport_of_a_slab(kernel_runner, wall, sc
     chance = throughput / throughput.sum()
     assert (out[:, :3] <= 1.001 / chance).all()
     np.testing.assert_allclose(out[:, 4:7], out[:, :3], rtol=2e-3, atol=1e-6)
+
+
+def test_coefficients_that_are_no_numbers_count_as_none(kernel_runner):
+    """NaN and negative: 0; infinite: the most there is (4e9). Whatever is finite comes back to 0.05 %."""
+    main = """
+void main() {
+  uint i = gl_GlobalInvocationID.x;
+  if (i * IN >= inputs.length()) return;
+  uvec4 medium = packMedium(Medium(inputs[i * IN].rgb, inputs[i * IN + 1].rgb, inputs[i * IN].a));
+  outputs[i * OUT] = vec4(mediumScattering(medium), mediumAnisotropy(medium));
+  outputs[i * OUT + 1] = vec4(mediumExtinction(medium), mediumScatters(medium) ? 1.0 : 0.0);
+}
+"""
+    nan, inf = np.nan, np.inf
+    rows = [  # absorption, anisotropy, scattering -> scattering, anisotropy, extinction, scatters
+        ((nan, nan, nan), nan, (nan, nan, nan), (0, 0, 0), 0, (0, 0, 0), 0),
+        ((-1, -inf, 2), 0.5, (nan, 3, -2), (0, 3, 0), 0.5, (0, 3, 2), 1),
+        ((inf, nan, 1), inf, (0, 0, inf), (0, 0, 4e9), 0.999, (4e9, 0, 4e9), 1),
+        ((1e-9, 1e9, 0), -inf, (1e-5, 1, 0), (1e-5, 1, 0), -0.999, (1.0001e-5, 1e9, 0), 1),
+        ((inf, inf, inf), 2.0, (0, 0, 0), (0, 0, 0), 0.999, (4e9, 4e9, 4e9), 0),
+    ]
+    given = np.array([(*a, g, *s, 0) for a, g, s, *_ in rows], np.float32)
+    expected = np.array([(*s, g, *e, scatters) for *_, s, g, e, scatters in rows], np.float32)
+    out = call(kernel_runner, ["lib/media.glsl"], main, given, 2)
+    np.testing.assert_allclose(out, expected, rtol=1e-3, atol=1e-12)

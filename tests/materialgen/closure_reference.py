@@ -5,9 +5,9 @@
     layer(top, base) = top + base * (1 - reflectance(top))
 
 (MaterialX Physically Based Shading Nodes, "layer"). The reflectance is the directional albedo by quadrature of the
-top's own values, so that no fit and no table of ours is on this side. Where MaterialX's GLSL says more than the text, it
-is followed: a tint of a dielectric or a sheen takes no part in the reflectance, a generalised Schlick's is the mean over
-channels, nothing passes diffuse lobes and conductors, sums add and mixes mix reflectances, `multiply` leaves it as is.
+top's own values, so that no fit and no table of ours is on this side. Where MaterialX's GLSL says more than the text,
+it is followed: a tint of a dielectric or a sheen takes no part in the reflectance, a generalised Schlick's is the mean
+over channels, nothing passes diffuse lobes and conductors, sums add and mixes mix reflectances, `multiply` leaves it.
 
 Directions: z is the normal, wo (3,) to the viewer, wi (n, 3) to the light; values are f |cos|, (n, 3).
 """

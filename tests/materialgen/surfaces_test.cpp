@@ -61,6 +61,31 @@ TEST(MaterialGen, BodiesHoldTheirMedium) {
   EXPECT_FALSE(body(0, {0.5f, 0.5f, 0.5f}, 0).scatters);
 }
 
+// What the CPU computes for bodies follows the rule of lib/media.glsl: a logarithm of 0 absorbs all, 0 / 0 nothing.
+TEST(MaterialGen, BodiesOfInfinitiesHoldTheMostThereIs) {
+  const auto body = [](Color over, Color under) {
+    MaterialNetwork network;
+    network.path = "/Looks/m";
+    network.nodes = {{"/Looks/m/surface", "ND_surface", {}},
+                     {"/Looks/m/filled", "ND_layer_vdf", {}},
+                     {"/Looks/m/bsdf", "ND_dielectric_bsdf", {{"scatter_mode", std::string("RT")}}},
+                     {"/Looks/m/inside", "ND_absorption_vdf", {}},
+                     {"/Looks/m/ratio", "ND_divide_vector3", {{"in1", over}, {"in2", under}}}};
+    network.connections = {{"/Looks/m/filled", "out", "/Looks/m/surface", "bsdf"},
+                           {"/Looks/m/bsdf", "out", "/Looks/m/filled", "top"},
+                           {"/Looks/m/inside", "out", "/Looks/m/filled", "base"},
+                           {"/Looks/m/ratio", "out", "/Looks/m/inside", "absorption"}};
+    network.surfaceNode = "/Looks/m/surface";
+    network.surfaceOutput = "out";
+    return RunNetwork(network).material.parameters;
+  };
+  const std::vector<float> block = body({1, 0, -1}, {0, 0, 0});
+  ASSERT_GE(block.size(), 8u);
+  EXPECT_EQ(block[0], 1e9f);
+  EXPECT_EQ(block[1], 0);
+  EXPECT_EQ(block[2], 0);
+}
+
 // Lama says that an absorptionColor of 1 is a clear body; its colours are no coefficients.
 TEST(MaterialGen, LamaBodiesAreWhatTheirDefinitionSays) {
   for (const char* node : {"ND_lama_dielectric", "ND_lama_generalized_schlick"}) {

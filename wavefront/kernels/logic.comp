@@ -6,7 +6,7 @@
 // In the paper it samples lights and adds the emission of what was hit, too. Those are light_sample and escape here:
 // software Vulkan runs every branch for every path, so what only some paths need is worth a queue of its own.
 // Paths that scatter inside of a body, or are on a random walk below a surface, go to queues of their own.
-// Reads: Ids, Radiance, ShadowContribution, Hit, HitDistance, Throughput, RayOrigin, Medium.
+// Reads: Ids, Radiance, ShadowContribution, Hit, HitDistance, Throughput, RayOrigin, Medium, Walk.
 // Writes: Ids, Radiance, Throughput, LightRadiance, film.
 // Pushes to: light samples, escapes, medium scatters, walks and their exits, and the path's bucket (key and count;
 // scan_buckets and scatter make the queue).
@@ -64,7 +64,7 @@ void main() {
       }
       bool last = bounce >= frame.maxBounces;
       // A walk leaves through the body that it entered; whatever else it meets is passed.
-      bool exits = walks && !missed && (hit.x & 0xffffu) == mediumId(medium);
+      bool exits = walks && !missed && hit.x == loadPath(kChunkWalk, path).z;
       if (exits) queue = kQueueSubsurfaceExit;
       else if (walks) queue = kQueueSubsurfaceWalk;
       else if (scatters) queue = kQueueMediumScatter;

@@ -19,7 +19,8 @@ void main() {
   uvec4 medium = loadPath(kChunkMedium, path);
   uvec4 hit = loadPath(kChunkHit, path);
   uvec4 extra = loadPath(kChunkHitDistance, path);
-  uint before = loadPath(kChunkWalk, path).x, bounce = pathBounce(ids.w);
+  uvec4 walk = loadPath(kChunkWalk, path);
+  uint before = walk.x, bounce = pathBounce(ids.w);
   vec2 flight = sample2D(ids.z, ids.y, mediumPair(bounce, kMediumWalkEvents + before + 1u, kMediumFlight));
   vec3 direction;
   vec3 p = mediumPoint(path, direction);
@@ -27,7 +28,7 @@ void main() {
   if (event == 0u) return;
 
   bool passes = hit.x != 0xffffffffu;
-  storePath(kChunkWalk, path, uvec4(event, 0u, 0u, 0u));
+  storePath(kChunkWalk, path, uvec4(event, walk.yzw));
   storePathF(kChunkThroughput, path, vec4(throughput, 1.0));
   storePath(kChunkHitDistance, path, passes ? uvec4(extra.x, hit.x, hit.y, extra.w) : uvec4(0u, 0xffffffffu, 0xffffffffu, extra.w));
   if (passes) {

@@ -24,11 +24,11 @@ struct Medium {
 };
 Medium clearMedium() { return Medium(vec3(0.0), vec3(0.0), 0.0); }
 
-// ---- Chunk Medium: x y z: absorption | scattering << 16 of r, g, b; w: anisotropy (12 bits) | scatters << 12 | id << 16 --
+// ---- Chunk Medium: x y z: absorption | scattering << 16 of r, g, b; w: anisotropy (12 bits) | scatters << 12 -----------
 
-// Six bits of exponent and ten of mantissa: 2e-10 to 8e9, to 0.05 %.
+// Six bits of exponent and ten of mantissa: 2e-10 to 8e9, to 0.05 %. No number counts as 0, infinity as the most there is.
 uvec3 packCoefficients(vec3 v) {
-  v = clamp(v, vec3(0.0), vec3(4e9));
+  v = mix(vec3(0.0), min(v, vec3(4e9)), greaterThan(v, vec3(0.0)));
   return uvec3(max(ivec3((floatBitsToUint(v) + 0x1000u) >> 13) - (95 << 10), ivec3(0)));
 }
 vec3 unpackCoefficients(uvec3 bits) {
@@ -36,15 +36,14 @@ vec3 unpackCoefficients(uvec3 bits) {
 }
 const uint kMediumScatters = 0x1000u;
 
-// `id`: whatever the user wants to find again, 16 bits.
-uvec4 packMedium(Medium m, uint id) {
+uvec4 packMedium(Medium m) {
   uvec3 scattering = packCoefficients(m.scattering);
-  uint g = uint(clamp(m.anisotropy, -0.999, 0.999) * 2047.0 + 2048.5);
+  float anisotropy = isnan(m.anisotropy) ? 0.0 : clamp(m.anisotropy, -0.999, 0.999);
+  uint g = uint(anisotropy * 2047.0 + 2048.5);
   bool scatters = (scattering.x | scattering.y | scattering.z) != 0u;
-  return uvec4(packCoefficients(m.absorption) | scattering << 16, g | (scatters ? kMediumScatters : 0u) | id << 16);
+  return uvec4(packCoefficients(m.absorption) | scattering << 16, g | (scatters ? kMediumScatters : 0u));
 }
 bool mediumScatters(uvec4 medium) { return kHasScatteringMedia && (medium.w & kMediumScatters) != 0u; }
-uint mediumId(uvec4 medium) { return medium.w >> 16; }
 float mediumAnisotropy(uvec4 medium) { return (float(medium.w & 0xfffu) - 2048.0) * (1.0 / 2047.0); }
 vec3 mediumScattering(uvec4 medium) { return unpackCoefficients(medium.xyz >> 16); }
 vec3 mediumExtinction(uvec4 medium) { return unpackCoefficients(medium.xyz & 0xffffu) + mediumScattering(medium); }
@@ -116,7 +115,7 @@ Medium mediumAt(uint parameterBase) {
 }
 uvec4 mediumOf(uint entry) {
   if (entry == 0u) return uvec4(0u);
-  return packMedium(mediumAt((entry & 0x7ffffffu) - 1u), 0u);
+  return packMedium(mediumAt((entry & 0x7ffffffu) - 1u));
 }
 float mediumIor(uint entry) {
   return entry == 0u ? 1.0 : texelFetch(materialParameters, int(entry & 0x7ffffffu)).w;  // base + 1 is texel 1

@@ -191,6 +191,10 @@ float patternLightProfile(vec3 n, vec3 tangent, uint textureId, vec3 wo) {
   return textureRead(textureId, texel / vec2(360.0, 181.0), 0.0, kWrapRepeat, kWrapClamp, vec4(0.0)).r;
 }
 
+// What is negative, or no number, counts as 0.
+float patternPositive(float x) { return x > 0.0 ? x : 0.0; }
+vec3 patternPositive(vec3 x) { return mix(vec3(0.0), x, greaterThan(x, vec3(0.0))); }
+
 // How likely a lobe is sampled, before normalising: by what it reflects, and a little by its weight, so that a lobe
 // that reflects nothing towards this wo on average can still be sampled where it does.
 float closureImportance(vec3 weight, vec3 albedo) {

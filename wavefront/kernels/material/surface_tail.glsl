@@ -185,7 +185,7 @@ void main() {
   uvec4 beyond = medium;
   if (kHasTransmission) {
     uvec4 left = mediumOf(mediumTop(boundary.beyond, 0u));
-    beyond = front ? (boundary.fits ? packMedium(c.interior, 0u) : medium) : left;
+    beyond = front ? (boundary.fits ? packMedium(c.interior) : medium) : left;
   }
   vec3 error = surfacePointError(sp.instance, gCorner0, gCorner1, gCorner2, sp.positionWorld);
   bool litBeyond = (dot(light.xyz, sp.normalGeometric) >= 0.0) != front;
@@ -201,7 +201,7 @@ void main() {
     if (walks) {
       SubsurfaceLobe lobe = closureWalk(c, samplePass(ids.z ^ 0xa54ff53au, ids.y, bounce, 0u), sampledBelow);
       Medium inside = subsurfaceMedium(lobe.color, lobe.radius, lobe.anisotropy, 32.0 * max(error.x, max(error.y, error.z)));
-      beyond = packMedium(inside, hit.x & 0xffffu);
+      beyond = packMedium(inside);
       sampled.rgb = sampledBelow / (max(lobe.color, vec3(1e-6)) * max(share, 1e-6));  // the colour comes from the walk
       if (!mediumScatters(beyond)) sampled = vec4(0.0);
     } else {
@@ -222,7 +222,7 @@ void main() {
   if (enters) {
     medium = beyond;
     storePath(kChunkMedium, path, medium);
-    storePath(kChunkWalk, path, uvec4(0u));
+    storePath(kChunkWalk, path, uvec4(0u, 0u, hit.x, 0u));
   }
 
   // Bodies that scatter: no farther than the next event.

@@ -15,7 +15,8 @@ struct SubsurfaceLobe {
 
 SubsurfaceLobe subsurfaceMake(vec3 wo, vec3 color, vec3 radius, float anisotropy)
 {
-    return SubsurfaceLobe(bsdfClamp(color, 0.0, 1.0), bsdfClamp(radius, 0.0, 1e9), bsdfClamp(anisotropy, -0.95, 0.95));
+    float g = isnan(anisotropy) ? 0.0 : clamp(anisotropy, -0.95, 0.95);
+    return SubsurfaceLobe(bsdfClamp(color, 0.0, 1.0), bsdfClamp(radius, 0.0, 1e9), g);
 }
 
 vec4 subsurfaceEval(SubsurfaceLobe l, vec3 wo, vec3 wi)
