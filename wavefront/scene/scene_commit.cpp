@@ -394,6 +394,7 @@ Status SceneStore::UploadRebuild(const Rebuild& b, uint32_t threads) {
                          &lightRecords_, &lightItems_, &lightDistribution_}) {
     if (Status s = stream->Fit(); !s) return s;
   }
+  if (geometry.nodes.elements() > layout::kBvhMaxNodes) return Error{"the scene does not fit: more than 2^26 nodes of its trees"};
   for (Status s : {geometry.nodes.Write<bvh::BvhNode4>(tlasRange_, tlas.nodes), geometry.indices.Write<uint32_t>(bindingIndexRange_, b.bindingIndices),
                    geometry.primvars.Write<float>(instancePrimvarRange_, b.instanceValues), instances_.Write<uint32_t>(instanceRange_, b.records),
                    bindings_.Write<uint32_t>(bindingRange_, bindingTexels_), lightRecords_.Write<Float4>(lightRange_, lights.records),
@@ -426,7 +427,7 @@ Status SceneStore::Bind(vulkan::DescriptorSet& set) {
                          {11, &geometry.meshRecords}, {12, &geometry.indices}, {13, &geometry.primvars},
                          {14, &bindings_}, {15, &materials.parameters}, {16, &lightRecords_},
                          {17, &lightItems_}, {18, &lightDistribution_}, {19, &textures.records},
-                         {20, &textures.pageTable}, {21, &textures.pages}, {22, &lobeTable_}}) {
+                         {20, &textures.pageTable}, {21, &textures.pages}, {22, &lobeTable_}, {23, &geometry.nodes}}) {
     if (row.stream->buffer() == nullptr) continue;
     if (Status s = set.WriteTexels(row.binding, *row.stream->buffer()); !s) return s;
   }

@@ -2,7 +2,14 @@
 // Copyright the hdWavefront authors
 #include "wavefront/scene/stream.h"
 
+#include <algorithm>
+
 namespace wavefront {
+namespace {
+
+constexpr uint64_t kMostSpareBytes = 1u << 20;
+
+}  // namespace
 
 Range Stream::Allocate(uint64_t count) {
   // Texel buffers are addressed with 31 bits; what passes that is refused at Fit with the stream's name.
@@ -18,6 +25,9 @@ Status Stream::Fit(uint64_t atMost) {
   uint64_t bytes = static_cast<uint64_t>(ranges_.end()) * elementBytes_;
   if (bytes == 0) bytes = 16;
   if (!buffer_) {
+    // A little more: what a scene adds to its meshes' streams is small, and growing takes half as much again.
+    const uint64_t spare = std::min<uint64_t>(bytes / 64, kMostSpareBytes) / elementBytes_;
+    bytes += std::min(spare, atMost - std::min<uint64_t>(atMost, ranges_.end())) * elementBytes_;
     auto created = vulkan::Buffer::Create(device_, {bytes, kind_, vulkan::MemoryLocation::DeviceLocal, name_, true});
     if (!created) return created.error();
     buffer_ = std::move(created).value();

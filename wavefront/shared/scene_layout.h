@@ -22,6 +22,7 @@ namespace wavefront::layout {
 WF_CONST(kBvhNodeTexels, 4u)
 WF_CONST(kBvhLeafBit, 0x80000000u)
 WF_CONST(kBvhEmpty, 0xffffffffu)
+WF_CONST(kBvhMaxNodes, 0x3ffffffu)  // in the whole stream: traversal names a node with 26 bits
 WF_CONST(kBvhLeafCountShift, 27u)   // leaf holds 1..8 items (3 bits above bit 27, below the leaf bit: 27..30)
 WF_CONST(kBvhLeafFirstMask, 0x07ffffffu)
 

@@ -9,7 +9,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hdwavefront.bench.scenes import SCENES, shapes
+from hdwavefront.api import Render
+from hdwavefront.bench.scenes import SCENES, shapes, sweep_scene
 
 # Triangles as they are seen (Laine, Karras and Aila 2013, table 1), and materials at most.
 CLASSES = {"carpaint": (9_500, 4), "city": (879_000, 24), "conference": (283_000, 40)}
@@ -88,3 +89,11 @@ def test_a_closed_shape_holds_its_volume_and_faces_outward(name: str) -> None:
 def test_a_turn_about_y_takes_z_to_x() -> None:
     point = shapes.Mesh(np.array([[0.0, 0, 1]]), np.zeros((0, 3), np.int32)).turned(1, 90).points[0]
     assert np.allclose(point, (1, 0, 0))
+
+
+def test_an_indexed_mesh_takes_at_most_90_bytes_a_triangle(tmp_path: Path) -> None:
+    scene = sweep_scene(str(tmp_path), "triangles", count=50_000)
+    render = Render(scene.path, width=16, settings={**scene.settings, "samples": 1})
+    render.start()
+    render.wait()
+    assert 70 < render.stats()["memoryBytes"]["geometry"] / scene.triangles <= 90

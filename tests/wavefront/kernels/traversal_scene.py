@@ -20,6 +20,7 @@ HEADER = """
 #extension GL_EXT_samplerless_texture_functions : require
 layout(local_size_x = 64) in;
 layout(binding = 0) uniform utextureBuffer bvhNodes;
+layout(binding = 7) uniform utextureBuffer bvhWords;
 layout(binding = 1) uniform textureBuffer triangleRecords;
 layout(binding = 2) uniform utextureBuffer instanceRecords;
 struct TestRay { vec4 originAndMin; vec4 directionAndMax; uvec4 skip; };
@@ -188,6 +189,7 @@ class Scene:
             1: (padded(triangles, np.float32), "rgba32f"),
             2: (padded([records.reshape(-1, 4)], np.uint32), "rgba32ui"),
         }
+        self.streams[7] = (self.streams[0][0], "r32ui")
         return self
 
     def cast(

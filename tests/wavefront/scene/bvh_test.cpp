@@ -81,10 +81,10 @@ struct Walk {
   std::function<Box(uint32_t)> itemBox;
   std::vector<uint32_t> itemUses;
   std::vector<uint32_t> nodeUses;
-  uint32_t stackEntries = 0, depth = 0;
+  uint32_t depth = 0;
 
   // Box of everything below the node.
-  Box Node(uint32_t index, uint32_t entriesAbove, uint32_t level) {
+  Box Node(uint32_t index, uint32_t level) {
     Box all;
     if (index >= nodes.size()) {
       ADD_FAILURE() << "node " << index << " of " << nodes.size();
@@ -95,8 +95,6 @@ struct Walk {
     const BvhNode4& node = nodes[index];
     EXPECT_LE(node.childCount, 4);
     for (uint32_t c = node.childCount; c < 4; ++c) EXPECT_EQ(node.children[c], layout::kBvhEmpty);
-    const uint32_t entries = entriesAbove + (node.childCount == 0 ? 0 : node.childCount - 1);
-    stackEntries = std::max(stackEntries, entries);
     for (uint32_t c = 0; c < node.childCount; ++c) {
       const uint32_t reference = node.children[c];
       Box inside;
@@ -113,7 +111,7 @@ struct Walk {
           inside.Extend(itemBox(i));
         }
       } else {
-        inside = Node(reference, entries, level + 1);
+        inside = Node(reference, level + 1);
       }
       if (!ChildBox(node, c).Holds(inside)) ADD_FAILURE() << "box of child " << c << " of node " << index;
       all.Extend(inside);
@@ -134,10 +132,9 @@ void CheckMesh(const Soup& soup, const MeshBvh& mesh, size_t inTree) {
   ASSERT_EQ(mesh.triangles.size(), soup.triangles.size());
   Walk walk{mesh.nodes, kMaxLeafTriangles, [&](uint32_t i) { return TriangleBox(mesh.triangles[i]); },
             std::vector<uint32_t>(inTree), std::vector<uint32_t>(mesh.nodes.size())};
-  const Box all = walk.Node(0, 0, 1);
+  const Box all = walk.Node(0, 1);
   EXPECT_TRUE(std::all_of(walk.itemUses.begin(), walk.itemUses.end(), [](uint32_t n) { return n == 1; }));
   EXPECT_TRUE(std::all_of(walk.nodeUses.begin(), walk.nodeUses.end(), [](uint32_t n) { return n == 1; }));
-  EXPECT_LE(walk.stackEntries, kMeshStackEntries);
   EXPECT_LE(walk.depth, kMeshMaxDepth);
   if (inTree > 0) {
     EXPECT_EQ(all.lo[0], mesh.bounds.min.x);
@@ -277,9 +274,9 @@ TEST(InstanceBvh, HoldsEveryUsableInstanceOnceUnderItsOwnIndex) {
                 return Box{{b.min.x, b.min.y, b.min.z}, {b.max.x, b.max.y, b.max.z}};
               },
               std::vector<uint32_t>(count), std::vector<uint32_t>(tree.nodes.size())};
-    walk.Node(0, 0, 1);
+    walk.Node(0, 1);
     EXPECT_TRUE(std::all_of(walk.itemUses.begin(), walk.itemUses.end(), [](uint32_t n) { return n == 1; }));
-    EXPECT_LE(walk.stackEntries, kInstanceStackEntries);
+    EXPECT_LE(walk.depth, kInstanceMaxDepth);
   }
 }
 

@@ -34,6 +34,7 @@ layout(set = 0, binding = 19) uniform utextureBuffer textureRecords;
 layout(set = 0, binding = 20) uniform utextureBuffer pageTable;
 layout(set = 0, binding = 21) uniform utextureBuffer texturePages;
 layout(set = 0, binding = 22) uniform utextureBuffer lobeTable;
+layout(set = 0, binding = 23) uniform utextureBuffer bvhWords;  // bvhNodes, word by word
 
 // Per dispatch: which bucket a material kernel works on, and free words for others.
 layout(push_constant, scalar) uniform PushConstants { uint pushBucket; uint pushWord1; uint pushWord2; uint pushWord3; };

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the hdWavefront authors
 // The only place that knows where BVH nodes, triangle and instance records live: uniform texel buffers (bindings
-// bvhNodes, triangleRecords, instanceRecords), the fastest on lavapipe and free of its 128 MiB limit. A variant for
+// bvhNodes, bvhWords, triangleRecords, instanceRecords), the fastest on lavapipe and free of its 128 MiB limit. A variant for
 // another device replaces this file and nothing else. Record layouts: shared/scene_layout.h.
 #ifndef WAVEFRONT_LIB_BVH_FETCH_GLSL
 #define WAVEFRONT_LIB_BVH_FETCH_GLSL
@@ -14,6 +14,10 @@
 uint tlasRoot() { return WAVEFRONT_TLAS_ROOT; }
 
 uvec4 fetchBvhNode(uint texel) { return texelFetch(bvhNodes, int(texel)); }
+// One child reference: a word of the same buffer.
+uint fetchBvhChild(uint node, uint place) {
+  return texelFetch(bvhWords, int((node * kBvhNodeTexels + 1u) * 4u + place)).x;
+}
 vec4 fetchTriangle(uint texel) { return texelFetch(triangleRecords, int(texel)); }
 uvec4 fetchInstanceU(uint texel) { return texelFetch(instanceRecords, int(texel)); }
 vec4 fetchInstanceF(uint texel) { return uintBitsToFloat(texelFetch(instanceRecords, int(texel))); }

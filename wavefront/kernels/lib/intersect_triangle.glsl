@@ -51,10 +51,10 @@ bool intersectTriangle(TriangleTestRay ray, vec3 v0, vec3 v1, vec3 v2, out float
   precise float e0 = cp.x * bp.y - cp.y * bp.x;
   precise float e1 = ap.x * cp.y - ap.y * cp.x;
   precise float e2 = bp.x * ap.y - bp.y * ap.x;
-  bool inside = min(min(e0, e1), e2) >= 0.0 || max(max(e0, e1), e2) <= 0.0;
-  vec2 low = min(min(ap, bp), cp);
-  vec2 high = max(max(ap, bp), cp);
-  inside = inside && max(low.x, low.y) <= 0.0 && min(high.x, high.y) >= 0.0;
+  // Comparisons: minima and maxima of floats cost three instructions each on lavapipe, which asks them for NaNs.
+  bool inside = (e0 >= 0.0 && e1 >= 0.0 && e2 >= 0.0) || (e0 <= 0.0 && e1 <= 0.0 && e2 <= 0.0);
+  inside = inside && (ap.x <= 0.0 || bp.x <= 0.0 || cp.x <= 0.0) && (ap.x >= 0.0 || bp.x >= 0.0 || cp.x >= 0.0) &&
+           (ap.y <= 0.0 || bp.y <= 0.0 || cp.y <= 0.0) && (ap.y >= 0.0 || bp.y >= 0.0 || cp.y >= 0.0);
   precise float det = e0 + e1 + e2;
   precise float rcpDet = 1.0 / det;
   // Weights first, so that products of coordinates stay small for large and for tiny triangles.

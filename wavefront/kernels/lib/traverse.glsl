@@ -6,9 +6,10 @@
 // boxes only ever skip what cannot be hit, so no tree shape, node width or fetch path changes a result; of hits at
 // the same t the smallest (instance, triangle in mesh order) wins.
 //
-// Needs before it: bindings (bvhNodes, triangleRecords, instanceRecords), and somewhere in the kernel the two hooks
+// Needs before it: bindings (bvhNodes, bvhWords, triangleRecords, instanceRecords), and somewhere in the kernel the two hooks
 // declared below. Layout of the code for lavapipe, which executes a loop's body once more when a `break` stands in
-// front of it, and both sides of every `if`: loops test at their end, rare work stays out of the inner loops.
+// front of it, and both sides of every `if`: loops test at their end, rare work stays out of the inner loops. What was
+// tried, and what it cost: resources/TRAVERSAL.md.
 #ifndef WAVEFRONT_LIB_TRAVERSE_GLSL
 #define WAVEFRONT_LIB_TRAVERSE_GLSL
 #include "shared/scene_layout.h"
@@ -25,9 +26,9 @@ void reportTraversalOverflow();
 // kInstanceOpaque, at most once per shadow ray).
 bool isTriangleOpaque(uint instance, uint slot);
 
-// At most three entries per level: kMeshStackEntries + kInstanceStackEntries of scene/bvh/bvh.h, a sentinel for
-// each tree, and three places that a step may write before it knows how many it needs.
-const uint kTraversalStackSize = 63u + 45u + 2u + 4u;
+// An entry for each level that has children left (kMeshMaxDepth + kInstanceMaxDepth of scene/bvh/bvh.h), one for each
+// of the two trees below its root, and one that a step may write before it knows whether it needs it.
+const uint kTraversalStackSize = 21u + 15u + 3u;
 uint traversalStack[kTraversalStackSize];
 
 // Steps of one ray over all its loops. lavapipe 22.3.6 ends loops silently after 65,535 iterations, counted per
@@ -75,14 +76,49 @@ BoxRay prepareBoxRay(vec3 origin, vec3 direction, uint rootNode, float relativeS
 
 vec4 unpackBytes(uint word) { return vec4((uvec4(word) >> uvec4(0u, 8u, 16u, 24u)) & 255u); }
 
-uint popReference(inout uint top) {
-  --top;
-  return traversalStack[top];
+// An entry of the stack: what is left of a node whose children are visited in order. The node, counted from the start of
+// the stream (kBvhMaxNodes), and the places of one to three children, two bits each, the next one lowest, the last one
+// repeated. kBvhEmpty: the end of a tree. One store for each node instead of one for each child: on lavapipe a store to
+// an address of its own in each lane is eight stores behind eight branches.
+const uint kPlaceBits = 6u;
+
+bool isLastPlace(uint entry) { return (entry >> 2u & 3u) == (entry & 3u); }
+uint withoutFirstPlace(uint entry) { return (entry & 0xfffffff0u) | (entry >> 2u & 15u); }
+
+uint firstReferenceOf(uint entry) {
+  bool atEnd = entry == kBvhEmpty;
+  uint reference = fetchBvhChild(atEnd ? 0u : entry >> kPlaceBits, entry & 3u);
+  return atEnd ? kBvhEmpty : reference;
 }
 
-// Tests the children of an inner node against [tMin, tMax]; puts those that are met on the stack, except the nearest
-// (ordered) or any of them, which is returned. If there is none, returns what was on top of the stack.
-uint stepDown(uint node, BoxRay ray, float tMin, float tMax, const bool ordered, inout uint top) {
+// What a ray has still to visit: the top entry, which is not in traversalStack, and the reference of its first child,
+// fetched as soon as it is known, so that nothing waits for it.
+struct Todo {
+  uint top;  // entries in traversalStack
+  uint entry;
+  uint next;
+};
+
+// At the root of the tree over instances, or of a mesh: at the end of the tree what was left before goes on.
+Todo enterTree(uint top, uint left) {
+  traversalStack[top] = left;
+  return Todo(top + 1u, kBvhEmpty, kBvhEmpty);
+}
+
+// kBvhEmpty at the end of a tree.
+uint popReference(inout Todo todo) {
+  uint reference = todo.next;
+  bool isLast = isLastPlace(todo.entry);
+  uint below = traversalStack[todo.top - 1u];
+  todo.entry = isLast ? below : withoutFirstPlace(todo.entry);
+  todo.top -= uint(isLast);
+  todo.next = firstReferenceOf(todo.entry);
+  return reference;
+}
+
+// Tests the children of an inner node against [tMin, tMax]; returns the nearest (ordered) or any that is met and leaves
+// the others to be visited. If there is none, returns what is next.
+uint stepDown(uint node, BoxRay ray, float tMin, float tMax, const bool ordered, inout Todo todo) {
   uint texel = node * kBvhNodeTexels;
   uvec4 head = fetchBvhNode(texel);
   uvec4 children = fetchBvhNode(texel + 1u);
@@ -97,27 +133,23 @@ uint stepDown(uint node, BoxRay ray, float tMin, float tMax, const bool ordered,
   uvec3 high = uvec3(planes.w, planesHigh);
   uvec3 near = mix(low, high, backwards);
   uvec3 far = mix(high, low, backwards);
-  vec4 tNear = max(max(unpackBytes(near.x) * scale.x + baseNear.x, unpackBytes(near.y) * scale.y + baseNear.y),
-                   max(unpackBytes(near.z) * scale.z + baseNear.z, vec4(tMin)));
-  vec4 tFar = min(min(unpackBytes(far.x) * scale.x + baseFar.x, unpackBytes(far.y) * scale.y + baseFar.y),
-                  min(unpackBytes(far.z) * scale.z + baseFar.z, vec4(tMax)));
-  bvec4 met = lessThanEqual(tNear, tFar);
-  met = bvec4(met.x && children.x != kBvhEmpty, met.y && children.y != kBvhEmpty, met.z && children.z != kBvhEmpty,
-              met.w && children.w != kBvhEmpty);
-  if (!ordered) {
-    traversalStack[top] = children.x;
-    top += uint(met.x);
-    traversalStack[top] = children.y;
-    top += uint(met.y);
-    traversalStack[top] = children.z;
-    top += uint(met.z);
-    traversalStack[top] = children.w;
-    top += uint(met.w);
-    return popReference(top);
-  }
-  // Distances are not negative, so their bits sort like numbers; the last two make room for the child's number.
-  uvec4 keys = (floatBitsToUint(tNear) & 0xfffffffcu) | uvec4(0u, 1u, 2u, 3u);
-  keys = mix(uvec4(0xffffffffu), keys, met);
+  // As integers, whose minimum and maximum are one instruction; those of floats ask for NaNs. tMin is not negative:
+  // the maximum is right, and a minimum of several negative numbers is one of them. A NaN counts as met.
+  ivec4 nearX = floatBitsToInt(unpackBytes(near.x) * scale.x + baseNear.x);
+  ivec4 nearY = floatBitsToInt(unpackBytes(near.y) * scale.y + baseNear.y);
+  ivec4 nearZ = floatBitsToInt(unpackBytes(near.z) * scale.z + baseNear.z);
+  ivec4 farX = floatBitsToInt(unpackBytes(far.x) * scale.x + baseFar.x);
+  ivec4 farY = floatBitsToInt(unpackBytes(far.y) * scale.y + baseFar.y);
+  ivec4 farZ = floatBitsToInt(unpackBytes(far.z) * scale.z + baseFar.z);
+  ivec4 tNear = max(max(nearX, nearY), max(nearZ, ivec4(floatBitsToInt(tMin))));
+  ivec4 tFar = min(min(farX, farY), min(farZ, ivec4(floatBitsToInt(tMax))));
+  bvec4 missed = greaterThan(intBitsToFloat(tNear), intBitsToFloat(tFar));
+  // Keys sort by distance and hold the child's place in the last two bits.
+  const uint kNone = 0xffffffffu;
+  uvec4 keys = uvec4(0u, 1u, 2u, 3u);
+  if (ordered) keys |= uvec4(tNear) & 0xfffffffcu;
+  keys = mix(keys, uvec4(kNone), equal(children, uvec4(kBvhEmpty)));
+  keys = mix(keys, uvec4(kNone), missed);
   uvec2 small = min(keys.xz, keys.yw);
   uvec2 large = max(keys.xz, keys.yw);
   uint first = min(small.x, small.y);
@@ -126,15 +158,19 @@ uint stepDown(uint node, BoxRay ray, float tMin, float tMax, const bool ordered,
   uint b = min(large.x, large.y);
   uint second = min(a, b);
   uint third = max(a, b);
-  traversalStack[top] = children[last & 3u];
-  top += uint(last != 0xffffffffu);
-  traversalStack[top] = children[third & 3u];
-  top += uint(third != 0xffffffffu);
-  traversalStack[top] = children[second & 3u];
-  top += uint(second != 0xffffffffu);
-  bool any = first != 0xffffffffu;
-  top -= uint(!any);
-  return any ? children[first & 3u] : traversalStack[top];
+  bool any = first != kNone;
+  bool many = second != kNone;
+  uint reference = any ? children[first & 3u] : todo.next;
+  third = third == kNone ? second : third;
+  last = last == kNone ? third : last;
+  uint others = node << kPlaceBits | (last & 3u) << 4u | (third & 3u) << 2u | (second & 3u);
+  bool isLast = isLastPlace(todo.entry);
+  traversalStack[todo.top] = todo.entry;
+  uint below = traversalStack[todo.top - 1u];
+  todo.entry = many ? others : (any ? todo.entry : (isLast ? below : withoutFirstPlace(todo.entry)));
+  todo.top = many ? todo.top + 1u : (!any && isLast ? todo.top - 1u : todo.top);
+  todo.next = firstReferenceOf(todo.entry);
+  return reference;
 }
 
 // ---- Instances ------------------------------------------------------------------------------------------------
@@ -213,71 +249,75 @@ bool traverseClosest(Ray ray, uint visibilityMask, uint skipInstance, uint skipT
   uint bestMeshTriangle = kNoHit;
   BoxRay worldRay = prepareBoxRay(ray.origin, ray.direction, tlasRoot(), kInstanceSlack);
   uint steps = 0u;
-  traversalStack[0] = kBvhEmpty;
-  uint top = 1u;
+  Todo todo = enterTree(0u, kBvhEmpty);
   uint reference = 0u;
   do {
-    while (isInnerNode(reference) && steps < kTraversalBudget) {
-      reference = stepDown(tlasRoot() + reference, worldRay, tMin, best.t, true, top);
+    do {
+      reference = stepDown(tlasRoot() + reference, worldRay, tMin, best.t, true, todo);
       ++steps;
-    }
-    if (reference == kBvhEmpty || steps >= kTraversalBudget) break;
-    uint instance = reference & kBvhLeafFirstMask;
-    InstanceVisit visit = visitInstance(instance, ray, visibilityMask, skipInstance, skipMeshTriangle);
-    uint kind = visit.flags & kInstanceKindMask;
-    if (kHasLightShapes && visit.enter && kind != kKindMesh) {
-      float t, u, v;
-      bool found = intersectLightShape(kind, visit.origin, visit.direction, tMin, visit.firstAtMin != 0u, t, u, v);
-      if (found && isBefore(t, instance, 0u, best.t, best.instance, bestMeshTriangle)) {
-        best = Hit(t, instance, 0u, u, v);
-        bestMeshTriangle = 0u;
-      }
-    }
-    if (visit.enter && kind == kKindMesh) {
-      BoxRay boxRay = prepareBoxRay(visit.origin, visit.direction, visit.nodeBase, kMeshSlack);
-      TriangleTestRay testRay = prepareTriangleTest(visit.origin, visit.direction);
-      traversalStack[top] = kBvhEmpty;
-      ++top;
-      uint inside = 0u;
+    } while (isInnerNode(reference) && steps < kTraversalBudget);
+    // Instance after instance, until an inner node comes off the stack.
+    bool atInstance = reference != kBvhEmpty && !isInnerNode(reference);
+    if (atInstance) {
       do {
-        do {
-          inside = stepDown(visit.nodeBase + inside, boxRay, tMin, best.t, true, top);
-          ++steps;
-        } while (isInnerNode(inside) && steps < kTraversalBudget);
-        // Leaf after leaf, one triangle per turn, until an inner node comes off the stack.
-        bool inLeaf = inside != kBvhEmpty && !isInnerNode(inside);
-        if (inLeaf) {
-          uint record = visit.triangleBase + (inside & kBvhLeafFirstMask);
-          uint left = (inside >> kBvhLeafCountShift) & 7u;
-          do {
-            vec4 v0 = fetchTriangle(record * kTriangleTexels);
-            vec3 v1 = fetchTriangle(record * kTriangleTexels + 1u).xyz;
-            vec3 v2 = fetchTriangle(record * kTriangleTexels + 2u).xyz;
-            float t, u, v;
-            bool found = intersectTriangle(testRay, v0.xyz, v1, v2, t, u, v);
-            uint meshTriangle = floatBitsToUint(v0.w);
-            found = found && meshTriangle != visit.skipped &&
-                    (t > tMin || (t == tMin && meshTriangle >= visit.firstAtMin && visit.firstAtMin != kNoHit)) &&
-                    isBefore(t, instance, meshTriangle, best.t, best.instance, bestMeshTriangle);
-            if (found) {
-              best = Hit(t, instance, record, u, v);
-              bestMeshTriangle = meshTriangle;
-            }
-            ++steps;
-            if (left == 0u) {
-              inside = popReference(top);
-              inLeaf = inside != kBvhEmpty && !isInnerNode(inside);
-              record = visit.triangleBase + (inside & kBvhLeafFirstMask);
-              left = (inside >> kBvhLeafCountShift) & 7u;
-            } else {
-              --left;
-              ++record;
-            }
-          } while (inLeaf && steps < kTraversalBudget);
+        uint instance = reference & kBvhLeafFirstMask;
+        InstanceVisit visit = visitInstance(instance, ray, visibilityMask, skipInstance, skipMeshTriangle);
+        uint kind = visit.flags & kInstanceKindMask;
+        if (kHasLightShapes && visit.enter && kind != kKindMesh) {
+          float t, u, v;
+          bool found = intersectLightShape(kind, visit.origin, visit.direction, tMin, visit.firstAtMin != 0u, t, u, v);
+          if (found && isBefore(t, instance, 0u, best.t, best.instance, bestMeshTriangle)) {
+            best = Hit(t, instance, 0u, u, v);
+            bestMeshTriangle = 0u;
+          }
         }
-      } while (inside != kBvhEmpty && steps < kTraversalBudget);
+        if (visit.enter && kind == kKindMesh) {
+          BoxRay boxRay = prepareBoxRay(visit.origin, visit.direction, visit.nodeBase, kMeshSlack);
+          TriangleTestRay testRay = prepareTriangleTest(visit.origin, visit.direction);
+          todo = enterTree(todo.top, todo.entry);
+          uint inside = 0u;
+          do {
+            do {
+              inside = stepDown(visit.nodeBase + inside, boxRay, tMin, best.t, true, todo);
+              ++steps;
+            } while (isInnerNode(inside) && steps < kTraversalBudget);
+            // Leaf after leaf, one triangle per turn, until an inner node comes off the stack.
+            bool inLeaf = inside != kBvhEmpty && !isInnerNode(inside);
+            if (inLeaf) {
+              uint record = visit.triangleBase + (inside & kBvhLeafFirstMask);
+              uint left = (inside >> kBvhLeafCountShift) & 7u;
+              do {
+                vec4 v0 = fetchTriangle(record * kTriangleTexels);
+                vec3 v1 = fetchTriangle(record * kTriangleTexels + 1u).xyz;
+                vec3 v2 = fetchTriangle(record * kTriangleTexels + 2u).xyz;
+                float t, u, v;
+                bool found = intersectTriangle(testRay, v0.xyz, v1, v2, t, u, v);
+                uint meshTriangle = floatBitsToUint(v0.w);
+                found = found && meshTriangle != visit.skipped &&
+                        (t > tMin || (t == tMin && meshTriangle >= visit.firstAtMin && visit.firstAtMin != kNoHit)) &&
+                        isBefore(t, instance, meshTriangle, best.t, best.instance, bestMeshTriangle);
+                if (found) {
+                  best = Hit(t, instance, record, u, v);
+                  bestMeshTriangle = meshTriangle;
+                }
+                ++steps;
+                if (left == 0u) {
+                  inside = popReference(todo);
+                  inLeaf = inside != kBvhEmpty && !isInnerNode(inside);
+                  record = visit.triangleBase + (inside & kBvhLeafFirstMask);
+                  left = (inside >> kBvhLeafCountShift) & 7u;
+                } else {
+                  --left;
+                  ++record;
+                }
+              } while (inLeaf && steps < kTraversalBudget);
+            }
+          } while (inside != kBvhEmpty && steps < kTraversalBudget);
+        }
+        reference = popReference(todo);
+        atInstance = reference != kBvhEmpty && !isInnerNode(reference);
+      } while (atInstance && steps < kTraversalBudget);
     }
-    reference = popReference(top);
   } while (reference != kBvhEmpty && steps < kTraversalBudget);
   traversalSteps += steps;
   if (steps >= kTraversalBudget) reportTraversalOverflow();
@@ -307,63 +347,67 @@ uint traverseShadow(Ray ray, uint visibilityMask, uint skipInstance, uint skipTr
   bool blocked = false;
   BoxRay worldRay = prepareBoxRay(ray.origin, ray.direction, tlasRoot(), kInstanceSlack);
   uint steps = 0u;
-  traversalStack[0] = kBvhEmpty;
-  uint top = 1u;
+  Todo todo = enterTree(0u, kBvhEmpty);
   uint reference = 0u;
   do {
-    while (isInnerNode(reference) && steps < kTraversalBudget) {
-      reference = stepDown(tlasRoot() + reference, worldRay, tMin, tMax, false, top);
+    do {
+      reference = stepDown(tlasRoot() + reference, worldRay, tMin, tMax, false, todo);
       ++steps;
-    }
-    if (reference == kBvhEmpty || steps >= kTraversalBudget) break;
-    uint instance = reference & kBvhLeafFirstMask;
-    InstanceVisit visit = visitInstance(instance, ray, visibilityMask, skipInstance, skipMeshTriangle);
-    bool opaque = (visit.flags & kInstanceOpaque) != 0u;
-    if (visit.enter && (visit.flags & kInstanceKindMask) == kKindMesh) {
-      BoxRay boxRay = prepareBoxRay(visit.origin, visit.direction, visit.nodeBase, kMeshSlack);
-      TriangleTestRay testRay = prepareTriangleTest(visit.origin, visit.direction);
-      traversalStack[top] = kBvhEmpty;
-      ++top;
-      uint inside = 0u;
+    } while (isInnerNode(reference) && steps < kTraversalBudget);
+    // Instance after instance, until an inner node comes off the stack.
+    bool atInstance = reference != kBvhEmpty && !isInnerNode(reference);
+    if (atInstance) {
       do {
-        float tEnd = opaque ? tMax : best.t;
-        do {
-          inside = stepDown(visit.nodeBase + inside, boxRay, tMin, tEnd, false, top);
-          ++steps;
-        } while (isInnerNode(inside) && steps < kTraversalBudget);
-        bool inLeaf = inside != kBvhEmpty && !isInnerNode(inside);
-        if (inLeaf) {
-          uint record = visit.triangleBase + (inside & kBvhLeafFirstMask);
-          uint left = (inside >> kBvhLeafCountShift) & 7u;
+        uint instance = reference & kBvhLeafFirstMask;
+        InstanceVisit visit = visitInstance(instance, ray, visibilityMask, skipInstance, skipMeshTriangle);
+        bool opaque = (visit.flags & kInstanceOpaque) != 0u;
+        if (visit.enter && (visit.flags & kInstanceKindMask) == kKindMesh) {
+          BoxRay boxRay = prepareBoxRay(visit.origin, visit.direction, visit.nodeBase, kMeshSlack);
+          TriangleTestRay testRay = prepareTriangleTest(visit.origin, visit.direction);
+          todo = enterTree(todo.top, todo.entry);
+          uint inside = 0u;
           do {
-            vec4 v0 = fetchTriangle(record * kTriangleTexels);
-            vec3 v1 = fetchTriangle(record * kTriangleTexels + 1u).xyz;
-            vec3 v2 = fetchTriangle(record * kTriangleTexels + 2u).xyz;
-            float t, u, v;
-            bool found = intersectTriangle(testRay, v0.xyz, v1, v2, t, u, v);
-            uint meshTriangle = floatBitsToUint(v0.w);
-            found = found && meshTriangle != visit.skipped && t <= tMax &&
-                    (t > tMin || (t == tMin && meshTriangle >= visit.firstAtMin && visit.firstAtMin != kNoHit));
-            blocked = blocked || (found && opaque);
-            if (found && isBefore(t, instance, meshTriangle, best.t, best.instance, bestMeshTriangle)) {
-              best = Hit(t, instance, record, u, v);
-              bestMeshTriangle = meshTriangle;
+            float tEnd = opaque ? tMax : best.t;
+            do {
+              inside = stepDown(visit.nodeBase + inside, boxRay, tMin, tEnd, false, todo);
+              ++steps;
+            } while (isInnerNode(inside) && steps < kTraversalBudget);
+            bool inLeaf = inside != kBvhEmpty && !isInnerNode(inside);
+            if (inLeaf) {
+              uint record = visit.triangleBase + (inside & kBvhLeafFirstMask);
+              uint left = (inside >> kBvhLeafCountShift) & 7u;
+              do {
+                vec4 v0 = fetchTriangle(record * kTriangleTexels);
+                vec3 v1 = fetchTriangle(record * kTriangleTexels + 1u).xyz;
+                vec3 v2 = fetchTriangle(record * kTriangleTexels + 2u).xyz;
+                float t, u, v;
+                bool found = intersectTriangle(testRay, v0.xyz, v1, v2, t, u, v);
+                uint meshTriangle = floatBitsToUint(v0.w);
+                found = found && meshTriangle != visit.skipped && t <= tMax &&
+                        (t > tMin || (t == tMin && meshTriangle >= visit.firstAtMin && visit.firstAtMin != kNoHit));
+                blocked = blocked || (found && opaque);
+                if (found && isBefore(t, instance, meshTriangle, best.t, best.instance, bestMeshTriangle)) {
+                  best = Hit(t, instance, record, u, v);
+                  bestMeshTriangle = meshTriangle;
+                }
+                ++steps;
+                if (left == 0u) {
+                  inside = popReference(todo);
+                  inLeaf = inside != kBvhEmpty && !isInnerNode(inside);
+                  record = visit.triangleBase + (inside & kBvhLeafFirstMask);
+                  left = (inside >> kBvhLeafCountShift) & 7u;
+                } else {
+                  --left;
+                  ++record;
+                }
+              } while (inLeaf && !blocked && steps < kTraversalBudget);
             }
-            ++steps;
-            if (left == 0u) {
-              inside = popReference(top);
-              inLeaf = inside != kBvhEmpty && !isInnerNode(inside);
-              record = visit.triangleBase + (inside & kBvhLeafFirstMask);
-              left = (inside >> kBvhLeafCountShift) & 7u;
-            } else {
-              --left;
-              ++record;
-            }
-          } while (inLeaf && !blocked && steps < kTraversalBudget);
+          } while (inside != kBvhEmpty && !blocked && steps < kTraversalBudget);
         }
-      } while (inside != kBvhEmpty && !blocked && steps < kTraversalBudget);
+        reference = popReference(todo);
+        atInstance = reference != kBvhEmpty && !isInnerNode(reference);
+      } while (atInstance && !blocked && steps < kTraversalBudget);
     }
-    reference = popReference(top);
   } while (reference != kBvhEmpty && !blocked && steps < kTraversalBudget);
   traversalSteps += steps;
   if (steps >= kTraversalBudget) reportTraversalOverflow();

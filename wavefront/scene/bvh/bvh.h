@@ -4,8 +4,8 @@
 // (layout: shared/scene_layout.h), one tree per mesh over triangle records, one tree over instances.
 //
 // Promises: the result is a function of the input alone (never of the thread count); every box holds its
-// children exactly, whatever was rounded; a tree never needs more traversal stack than kMeshStackEntries or
-// kInstanceStackEntries. All functions may be called from any thread, concurrently.
+// children exactly, whatever was rounded; a tree is never deeper than kMeshMaxDepth or
+// kInstanceMaxDepth. All functions may be called from any thread, concurrently.
 #pragma once
 
 #include <array>
@@ -45,12 +45,10 @@ constexpr float kMaxCoordinate = 1e18f;
 // A leaf of a mesh tree holds at most this many triangles; a leaf of the instance tree exactly one instance.
 constexpr uint32_t kMaxLeafTriangles = 4;
 
-// The deepest tree that the builder makes, in nodes from the root to a leaf's parent. A node leaves at most
-// three children on the traversal stack. lib/traverse.glsl sizes its stack by these.
+// The deepest tree that the builder makes, in nodes from the root to a leaf's parent: the entries that it needs on the
+// traversal stack. lib/traverse.glsl sizes its stack by these.
 constexpr uint32_t kMeshMaxDepth = 21;
 constexpr uint32_t kInstanceMaxDepth = 15;
-constexpr uint32_t kMeshStackEntries = 3 * kMeshMaxDepth;
-constexpr uint32_t kInstanceStackEntries = 3 * kInstanceMaxDepth;
 constexpr uint32_t kMaxTriangles = 1u << 27;   // a leaf names its first item with 27 bits
 constexpr uint32_t kMaxInstances = 1u << 27;
 
