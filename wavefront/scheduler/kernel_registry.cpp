@@ -139,7 +139,8 @@ Status KernelRegistry::Specialize(SceneFeatures features) {
 Status KernelRegistry::WarmUpFixed(bool media, vulkan::CommandStream& stream, const vulkan::DescriptorSet& set) {
   for (uint32_t k = 0; k < kKernelCount; ++k) {
     const Kernel kernel = static_cast<Kernel>(k);
-    if (!fixed_[k] || fixedWarm_[k] || kernel == Kernel::MaterialCost) continue;  // few renders ask for costs
+    if (!fixed_[k] || fixedWarm_[k]) continue;
+    if (kernel == Kernel::MaterialCost || kernel == Kernel::MegaTurn) continue;  // few renders ask for costs, or for the megakernel
     if (!media && IsForMedia(kernel)) continue;
     if (Status s = WarmUp(*fixed_[k], times_[k], stream, set); !s) return s;
     fixedWarm_[k] = true;
