@@ -3,7 +3,12 @@
 #include "plugin/hydra/convert_settings.h"
 
 #include <pxr/base/tf/stringUtils.h>
+#include <pxr/imaging/hd/tokens.h>
 #include <pxr/usd/sdf/assetPath.h>
+
+#include <algorithm>
+#include <iterator>
+#include <set>
 
 #include "delegate/settings.h"
 #include "plugin/hydra/convert_value.h"
@@ -43,6 +48,37 @@ std::optional<ColorSettings> WithColorSetting(const TfToken& key, const VtValue&
   if (info->member == &ColorSettings::renderingSpace && text.empty()) text = ColorSettings().renderingSpace;
   settings.*(info->member) = std::move(text);
   return settings;
+}
+
+IncludedPurposes ToIncludedPurposes(const VtArray<TfToken>& purposes) {
+  IncludedPurposes result;
+  std::set<std::string> tags{HdRenderTagTokens->geometry.GetString()};
+  for (const TfToken& purpose : purposes) {
+    if (purpose == TfToken("default")) continue;
+    if (purpose == HdRenderTagTokens->render || purpose == HdRenderTagTokens->proxy || purpose == HdRenderTagTokens->guide)
+      tags.insert(purpose.GetString());
+    else
+      result.unknown.push_back(purpose.GetString());
+  }
+  result.renderTags.assign(tags.begin(), tags.end());
+  result.areFallback = purposes.empty() || purposes == VtArray<TfToken>{TfToken("default"), HdRenderTagTokens->render};
+  return result;
+}
+
+std::vector<std::string> DrawnTags(std::vector<std::string> ofHost, const IncludedPurposes& included) {
+  std::sort(ofHost.begin(), ofHost.end());
+  if (included.areFallback) return ofHost;
+  if (ofHost.empty()) return included.renderTags;
+  std::vector<std::string> both;
+  std::set_intersection(ofHost.begin(), ofHost.end(), included.renderTags.begin(), included.renderTags.end(), std::back_inserter(both));
+  if (both.empty()) both.push_back(HdRenderTagTokens->hidden.GetString());  // no tag at all would be every tag
+  return both;
+}
+
+TfToken ToBindingPurpose(const VtArray<TfToken>& purposes) {
+  for (const TfToken& purpose : purposes)
+    if (!purpose.IsEmpty()) return purpose;
+  return {};
 }
 
 bool IsOwnSetting(const TfToken& key) { return FindColor(key) || !ToCoreSetting(key).empty(); }

@@ -28,4 +28,19 @@ bool IsOwnSetting(const TfToken& key);
 
 HdRenderSettingDescriptorList SettingDescriptors();
 
+// A RenderSettings prim's includedPurposes as render tags, sorted; "default" is always among them.
+struct IncludedPurposes {
+  std::vector<std::string> renderTags;
+  bool areFallback = true;           // none, or the schema's own, which Hydra does not tell from none
+  std::vector<std::string> unknown;  // tokens that are no purposes
+};
+IncludedPurposes ToIncludedPurposes(const VtArray<TfToken>& purposes);
+
+// What is drawn of the render tags of a host's task, sorted: all of them (none named: every tag) where nothing else is said,
+// or those that are included too.
+std::vector<std::string> DrawnTags(std::vector<std::string> ofHost, const IncludedPurposes& included);
+
+// The purpose of material bindings before those for all purposes (an empty token): the first one that is named.
+TfToken ToBindingPurpose(const VtArray<TfToken>& purposes);
+
 }  // namespace hydra

@@ -191,8 +191,24 @@ void RenderDelegate::SetProducts(const std::vector<Product>& products) {
   param_->MarkEdited();
 }
 
+bool RenderDelegate::IsBatch() const {
+  return !ToBool(GetRenderSetting(HdRenderSettingsTokens->enableInteractive)).value_or(true);
+}
+
+void RenderDelegate::SetIncludedPurposes(const SdfPath& settings, IncludedPurposes included) {
+  std::lock_guard lock(productsMutex_);
+  included_ = {settings, std::move(included)};
+  param_->MarkEdited();
+}
+
+std::pair<SdfPath, IncludedPurposes> RenderDelegate::CurrentPurposes() const {
+  if (!IsBatch()) return {};
+  std::lock_guard lock(productsMutex_);
+  return included_;
+}
+
 std::optional<Shot> RenderDelegate::CurrentShot() const {
-  if (ToBool(GetRenderSetting(HdRenderSettingsTokens->enableInteractive)).value_or(true)) return std::nullopt;
+  if (!IsBatch()) return std::nullopt;
   std::lock_guard lock(productsMutex_);
   return shots_.empty() ? std::nullopt : std::optional(shots_[std::min(written_, shots_.size() - 1)]);
 }

@@ -7,11 +7,13 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include <pxr/imaging/hd/renderDelegate.h>
 #include <pxr/imaging/hd/resourceRegistry.h>
 
+#include "plugin/hydra/convert_settings.h"
 #include "plugin/hydra/hd_compat.h"
 #include "plugin/hydra/products.h"
 #include "plugin/hydra/render_param.h"
@@ -60,7 +62,9 @@ class RenderDelegate final : public HdRenderDelegate {
   void DestroyBprim(HdBprim* bprim) override;
   void CommitResources(HdChangeTracker* tracker) override;
 
-  TfToken GetMaterialBindingPurpose() const override { return HdTokens->full; }
+  // Set by the active RenderSettings prim, which Hydra syncs by itself and before all Rprims.
+  TfToken GetMaterialBindingPurpose() const override { return bindingPurpose_; }
+  void SetMaterialBindingPurpose(const TfToken& purpose) { bindingPurpose_ = purpose; }
   TfTokenVector GetMaterialRenderContexts() const override;
   TfTokenVector GetShaderSourceTypes() const override;
   TfTokenVector GetRenderSettingsNamespaces() const override;
@@ -76,13 +80,20 @@ class RenderDelegate final : public HdRenderDelegate {
   bool IsLastShot() const;                  // the one that the host's buffers show
   void FirstShot();                         // the scene changed: all are to be rendered again
   void ShotStarted();
+  // What the active RenderSettings prim includes, in batch; elsewhere the host's word counts.
+  void SetIncludedPurposes(const SdfPath& settings, IncludedPurposes included);
+  std::pair<SdfPath, IncludedPurposes> CurrentPurposes() const;
   bool WriteProducts();                     // false: another shot is to be rendered
 
  private:
+  bool IsBatch() const;
+
   std::unique_ptr<RenderParam> param_;
   HdResourceRegistrySharedPtr registry_;
+  TfToken bindingPurpose_ = HdTokens->full;
   mutable std::mutex productsMutex_;
   std::vector<Shot> shots_;
+  std::pair<SdfPath, IncludedPurposes> included_;
   size_t written_ = 0;    // shots; the next one is rendered, or was
   bool toWrite_ = false;  // the shot is being rendered
 };

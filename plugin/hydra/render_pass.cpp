@@ -6,9 +6,11 @@
 #include <pxr/imaging/hd/renderPassState.h>
 
 #include <algorithm>
+#include <map>
 #include <set>
 
 #include "plugin/hydra/camera.h"
+#include "plugin/hydra/convert_settings.h"
 #include "plugin/hydra/convert_value.h"
 #include "plugin/hydra/render_buffer.h"
 #include "plugin/hydra/render_delegate.h"
@@ -45,8 +47,8 @@ RenderPass::Wish RenderPass::ReadState(const HdRenderPassState& state, const TfT
   }
   wish.framing = ToPassFraming(state.GetFraming(), state.GetViewport());
   wish.policy = ToConformPolicy(state.GetWindowPolicy());
-  for (const TfToken& tag : renderTags) wish.renderTags.push_back(tag.GetString());
-  std::sort(wish.renderTags.begin(), wish.renderTags.end());
+  const std::vector<std::string> ofHost(renderTags.begin(), renderTags.end());
+  wish.renderTags = DrawnTags(ofHost, owner_->CurrentPurposes().second);
   return wish;
 }
 
@@ -90,6 +92,23 @@ std::vector<std::string> RenderPass::AovTokens(const HdRenderPassAovBindingVecto
     for (const Product& product : shot->products)
       for (const std::string& token : product.aovs) want(token, product.path);
   return {wanted.begin(), wanted.end()};
+}
+
+void RenderPass::ReportTags(const TfTokenVector& ofHost) const {
+  const auto [settings, included] = owner_->CurrentPurposes();
+  if (settings.IsEmpty() || ofHost.empty()) return;
+  std::map<std::string, size_t> missing;
+  for (const SdfPath& id : GetRenderIndex()->GetRprimIds()) {
+    const TfToken tag = GetRenderIndex()->GetRenderTag(id);
+    if (std::ranges::count(included.renderTags, tag.GetString()) && !std::ranges::count(ofHost, tag))
+      ++missing[tag.GetString()];
+  }
+  // The schema's fallback is no wish of the stage's author.
+  const auto severity = included.areFallback ? wavefront::Severity::Info : wavefront::Severity::Warning;
+  for (const auto& [tag, count] : missing)
+    owner_->param().Report(severity, "render-purposes", settings,
+                           "includedPurposes has '" + tag + "', which this host does not hand over (usdrecord --purposes " +
+                               tag + "): prims of that purpose (" + std::to_string(count) + ") are not drawn");
 }
 
 std::string RenderPass::SyncCamera(const Wish& wish) const {
@@ -150,6 +169,7 @@ void RenderPass::_Execute(const HdRenderPassStateSharedPtr& renderPassState, con
     update.aovs = selection.value().aovs;
     update.primvarAovs = selection.value().primvars;
   }
+  ReportTags(renderTags);
   last_ = std::move(wish);
   if (param.CommitAndStart(update) && shot) owner_->ShotStarted();
 }

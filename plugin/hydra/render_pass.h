@@ -45,6 +45,8 @@ class RenderPass final : public HdRenderPass {
   // What the bindings and the shot's products ask for by token, each once, sorted; what is not rendered is told of.
   std::vector<std::string> AovTokens(const HdRenderPassAovBindingVector& bindings,
                                      const std::optional<Shot>& shot) const;
+  // Purposes that the RenderSettings prim includes and the host's tags leave out, where prims have them.
+  void ReportTags(const TfTokenVector& ofHost) const;
   // The core's camera for the wish: the prim itself, or one that is made of it.
   std::string SyncCamera(const Wish& wish) const;
   RenderBuffer* BufferOf(const HdRenderPassAovBinding& binding) const;
