@@ -52,6 +52,8 @@ LOOKS = document(
     <materialassign name="m1" material="nobody" geom="/a"/>
     <materialassign name="m2" material="red" collection="nobody"/>
     <materialassign name="m3" material="red" geom="/a[0-9]"/>
+    <materialassign name="m4" material="red" geom="/b" exclusive="false"/>
+    <materialassign name="m5" material="red" geom="/d" exclusive="true"/>
     <visibility name="v" vistype="camera" visible="false" geom="/a"/>
   </look>
   <lookgroup name="group" looks="day, base" default="base"/>
@@ -108,6 +110,8 @@ def test_what_is_wrong_with_a_look_is_said(looks):
     _, diagnostics = looks(LOOKS, look_stage("broken"))
     text = "\n".join(f"{d.location} {d.message}" for d in diagnostics)
     assert "material nobody" in text and "collection nobody" in text and "/a[0-9]" in text and "visibility" in text
+    (layered,) = [d for d in diagnostics if "exclusive" in d.message]
+    assert layered.code == "mtlx-look-unsupported" and "broken/m4" in layered.message
     assert all(d.location == "/world" and "m.mtlx" in d.message for d in diagnostics)
 
 
@@ -384,6 +388,21 @@ def test_colour_spaces_come_from_the_input_the_graph_or_the_document(looks):
     assert nodes["S_red"]["parameters"]["base_color"] == ("acescg", 1, 2, 3)
     assert nodes["S_red"]["parameters"]["coat_color"] == ("srgb_texture", 4, 5, 6)
     assert nodes["c"]["parameters"]["value"] == ("lin_adobergb", 1, 2, 3)
+
+
+@pytest.mark.parametrize("back", ["before", "after", "alone"])
+def test_the_front_shows_and_a_back_is_said(looks, back):
+    inputs = [
+        '<input name="surfaceshader" type="surfaceshader" nodename="front"/>',
+        '<input name="backsurfaceshader" type="surfaceshader" nodename="back"/>',
+    ]
+    inputs = {"before": inputs[::-1], "after": inputs, "alone": inputs[1:]}[back]
+    shaders = "".join(f'<standard_surface name="{n}" type="surfaceshader"/>' for n in ("front", "back"))
+    text = document(shaders + f'<surfacematerial name="red" type="material">{"".join(inputs)}</surfacematerial>')
+    nodes, diagnostics = network_of(looks, text)
+    assert list(nodes) == ([] if back == "alone" else ["front"])
+    (said,) = [d for d in diagnostics if d.code == "mtlx-unsupported"]
+    assert "material red" in said.message and "backsurfaceshader" in said.message
 
 
 OLD = {

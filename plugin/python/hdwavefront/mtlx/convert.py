@@ -24,6 +24,7 @@ from .values import OPAQUE_TYPE, TYPES, usd_value
 
 MATERIALS = Sdf.Path("/MaterialX/Materials")
 _TERMINALS = {"surfaceshader": "surface", "displacementshader": "displacement", "volumeshader": "volume"}
+_BACK = "backsurfaceshader"
 _SHADER_TYPES = _TERMINALS.keys() | {"lightshader"}
 
 
@@ -93,16 +94,32 @@ class _MaterialWriter:
 
     def write(self) -> Any:
         material = _prim(self._layer, self._root, "Material")
-        for terminal in self._node.getInputs():
-            name = _TERMINALS.get(terminal.getType())
-            source = self._source(terminal, name) if name else None
+        terminals = self._terminals()
+        for name, terminal in terminals.items():
+            source = self._source(terminal, name)
             if source is not None:
                 _attribute(material, f"outputs:mtlx:{name}", OPAQUE_TYPE).connectionPathList.explicitItems = [source]
         self._write_pending()
-        for terminal in self._node.getInputs():
-            if terminal.getType() in _TERMINALS and not terminal.getNodeGraphString():
+        for terminal in terminals.values():
+            if not terminal.getNodeGraphString():
                 self._promote(material, terminal.getConnectedNode())
         return self._root
+
+    def _terminals(self) -> dict[str, Any]:
+        """The material's inputs by the terminals that they are: by their names, which MaterialX's material nodes share
+        with the types. Of a studio's own material nodes, the first of a type.
+        """
+        found: dict[str, Any] = {}
+        shaders = [p for p in self._node.getInputs() if p.getType() in _TERMINALS]
+        for port in sorted(shaders, key=lambda p: p.getName() != p.getType()):  # sorting keeps the order of equals
+            name = _TERMINALS[port.getType()]
+            if port.getName() != _BACK and name not in found:
+                found[name] = port
+            elif port.getNodeName() or port.getNodeGraphString() or port.getOutputString():
+                what = f"material {self._node.getName()}: its {port.getName()} is not read"
+                shown = "; both sides have the surfaceshader" if port.getName() == _BACK else ""
+                self._say("mtlx-unsupported", what + shown)
+        return found
 
     def _write_pending(self) -> None:
         while self._pending:

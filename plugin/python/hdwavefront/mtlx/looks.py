@@ -190,6 +190,11 @@ class _LookWriter:
                     "mtlx-bad-reference",
                     f"{assignment.getNamePath()} assigns material {assignment.getMaterial()}, which does not exist",
                 )
+            if assignment.hasAttribute("exclusive") and not assignment.getExclusive():
+                self._say(
+                    "mtlx-look-unsupported",
+                    f"{assignment.getNamePath()} is not exclusive; it is read as if it were: geometry has one material",
+                )
             if collection is not None and material is not None:
                 order.append(self._bind(prim, look, assignment, collection, material))
         # The first binding that matches counts: the look's own, in their order, before those that it inherits.
