@@ -247,6 +247,39 @@ def test_a_flat_scene_has_all_that_is_seen(tmp_path: Path) -> None:
     assert sum(seen) == city.triangles
 
 
+def test_a_flat_scene_keeps_meshes_that_shine(tmp_path: Path) -> None:
+    stage = tmp_path / "lamp.usda"
+    stage.write_text("""#usda 1.0
+def Camera "camera" {}
+def Material "lit"
+{
+    token outputs:surface.connect = </lit/s.outputs:surface>
+    def Shader "s"
+    {
+        uniform token info:id = "UsdPreviewSurface"
+        color3f inputs:emissiveColor = (17, 12, 4)
+        color3f inputs:diffuseColor.connect = </lit/t.outputs:rgb>
+        float inputs:roughness = 1
+        token outputs:surface
+    }
+    def Shader "t"
+    {
+        uniform token info:id = "UsdUVTexture"
+        color3f outputs:rgb
+    }
+}
+def Mesh "lamp" (prepend apiSchemas = ["MaterialBindingAPI"])
+{
+    int[] faceVertexCounts = [4]
+    int[] faceVertexIndices = [0, 1, 2, 3]
+    point3f[] points = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)]
+    rel material:binding = </lit>
+}
+""")
+    lit = json.loads(Path(flat.write(str(stage), str(tmp_path))).read_text())["materials"]["/lit"]
+    assert lit["emission"] == [17, 12, 4] and lit["roughness"] == 1 and lit["color"] == [0.5, 0.5, 0.5]
+
+
 def test_an_absent_peer_is_said(monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]) -> None:
     monkeypatch.setenv("HDWAVEFRONT_BPY_PYTHON", "/nowhere/python")
     assert main(["bench", "carpaint", "--peer", "cycles"]) == 0

@@ -67,6 +67,8 @@ def _own(scene: Scene, width: int, samples: int, device: str) -> dict[str, Any]:
 def _efficiency(pictures: list[Any], cpu: float, wall: float, samples: int) -> dict[str, Any]:
     noise = relative_mse(pictures[0], pictures[1])
     brightness = float(np.mean([p[..., :3] for p in pictures]))
+    if noise <= 0 or cpu <= 0:
+        raise HdWavefrontError(f"a picture without noise or time cannot be compared (mean {brightness:.3g})")
     return {
         "relMse": noise,
         "cpuSeconds": cpu,

@@ -30,6 +30,10 @@ def _material(name: str, plain: dict[str, Any]) -> Any:
     inputs["Coat Weight"].default_value = plain["coat"]
     inputs["Coat Roughness"].default_value = plain["coatRoughness"]
     inputs["Transmission Weight"].default_value = plain["transmission"]
+    peak = max(plain["emission"])
+    if peak > 0:
+        inputs["Emission Color"].default_value = (*(e / peak for e in plain["emission"]), 1.0)
+        inputs["Emission Strength"].default_value = peak
     return material
 
 

@@ -3,9 +3,9 @@
 """A stage as other renderers take it: triangle meshes, placements, plain materials, lights, one camera.
 
 What is translated: meshes with their normals, point instancers and transforms; of a material the numbers of its
-standard_surface, where a pattern drives a number the mean of what it mixes; networks of single lobes by their colour,
+standard_surface or UsdPreviewSurface, where a pattern drives a number the mean of what it mixes; networks of single lobes by their colour,
 roughness and kind. Patterns, flakes, sheen of cloth and layers of MaterialX's own have no equal there. Dome, distant,
-rect and sphere lights keep their radiance.
+rect and sphere lights keep their radiance, and so do meshes that shine.
 """
 
 from __future__ import annotations
@@ -28,6 +28,7 @@ _PLAIN: dict[str, Any] = {
     "coat": 0.0,
     "coatRoughness": 0.1,
     "transmission": 0.0,
+    "emission": [0.0, 0.0, 0.0],
 }
 
 
@@ -64,6 +65,11 @@ def _value(shader: Any, name: str, default: Any) -> Any:
     return _mean(numbers) if numbers else 0.5
 
 
+def _rgb(shader: Any, name: str, default: float) -> list[float]:
+    values: list[float] = np.broadcast_to(np.asarray(_value(shader, name, default), float), (3,)).tolist()
+    return values
+
+
 def _material(material: Any) -> dict[str, Any]:
     from pxr import UsdShade
 
@@ -83,8 +89,18 @@ def _material(material: Any) -> dict[str, Any]:
                 "coatRoughness": float(_value(shader, "coat_roughness", 0.1)),
                 "transmission": float(_value(shader, "transmission", 0.0)),
             }
+        if kind == "UsdPreviewSurface":
+            return {
+                **plain,
+                "color": _rgb(shader, "diffuseColor", 0.18),
+                "roughness": float(_value(shader, "roughness", 0.5)),
+                "metallic": float(_value(shader, "metallic", 0.0)),
+                "coat": float(_value(shader, "clearcoat", 0.0)),
+                "coatRoughness": float(_value(shader, "clearcoatRoughness", 0.01)),
+                "emission": _rgb(shader, "emissiveColor", 0.0),
+            }
         if "diffuse_bsdf" in kind:
-            plain["color"] = np.broadcast_to(np.asarray(_value(shader, "color", [0.5] * 3), float), (3,)).tolist()
+            plain["color"] = _rgb(shader, "color", 0.5)
             plain["specular"] = 0.0
         if kind in ("ND_generalized_schlick_bsdf", "ND_conductor_bsdf"):
             plain["metallic"] = 0.4  # flakes over the base

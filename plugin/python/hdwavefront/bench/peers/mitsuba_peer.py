@@ -47,12 +47,14 @@ def _light(mi: Any, light: dict[str, Any]) -> dict[str, Any]:
     return {"type": "sphere", "to_world": to_world @ scale, "emitter": emitter}
 
 
-def _shape(mi: Any, number: int, arrays: Any, bsdf: dict[str, Any], matrix: np.ndarray) -> Any:
+def _shape(mi: Any, number: int, arrays: Any, plain: dict[str, Any], matrix: np.ndarray) -> Any:
     points = arrays[f"p{number}"] @ matrix[:3, :3].T + matrix[:3, 3]
     triangles = arrays[f"t{number}"]
     normals = arrays.get(f"n{number}")
     props = mi.Properties()
-    props["bsdf"] = mi.load_dict(bsdf)
+    props["bsdf"] = mi.load_dict(_bsdf(mi, plain))
+    if any(plain["emission"]):
+        props["emitter"] = mi.load_dict({"type": "area", "radiance": {"type": "rgb", "value": plain["emission"]}})
     mesh = mi.Mesh(f"m{number}", len(points), len(triangles), props=props, has_vertex_normals=normals is not None)
     params = mi.traverse(mesh)
     params["vertex_positions"] = np.ascontiguousarray(points, np.float32).ravel()
@@ -71,8 +73,7 @@ def scene_of(mi: Any, path: str, options: dict[str, Any]) -> Any:
     scene["integrator"]["rr_depth"] = options["rouletteBounce"] + 1
     grouped: dict[str, list[Any]] = {}
     for number, mesh in enumerate(flat["meshes"]):
-        bsdf = _bsdf(mi, flat["materials"][mesh["material"]])
-        shape = _shape(mi, number, arrays, bsdf, np.array(mesh["matrix"]))
+        shape = _shape(mi, number, arrays, flat["materials"][mesh["material"]], np.array(mesh["matrix"]))
         if mesh["group"]:
             grouped.setdefault(mesh["group"], []).append(shape)
         else:
