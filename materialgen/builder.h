@@ -158,6 +158,8 @@ class NodeEvaluator {
   bool AddThinTransmission(Port* result, std::string_view reflecting, std::vector<Id> arguments, Bsdf lobe, Id ior);
   bool IsThinWalled();
   bool EvaluateSurface(Port* result);
+  Id PresenceOf(const Surface& surface);
+  Id ShareOfPresent(Id factor, Id front, Id back, Id whole);
   bool EvaluateDisplacement(Port* result);
   Id Primvar(const std::string& name, Type type, Id fallback);
   Id Footprint(Id uv, int depth = 0);

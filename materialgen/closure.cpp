@@ -200,8 +200,10 @@ class Lineariser {
   void AddLobe(BsdfId id, LinearClosure* result) {
     const Bsdf& node = nodes_[id];
     if (node.kind == Bsdf::Kind::PassThrough) {
-      if (e_.Decide(weights_[id].other, 0)) return;
-      result->passThrough = weights_[id].other;
+      const Id passed = weights_[id].other;
+      if (e_.Decide(passed, 0)) return;
+      const Id before = result->passThrough;
+      result->passThrough = before == kNone ? passed : e_.Arithmetic("add", {before, passed});
       return;
     }
     Id weight = Multiply(node.lobe->transmits ? weights_[id].transmitted : weights_[id].other, node.weight);

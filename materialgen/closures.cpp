@@ -263,6 +263,20 @@ bool NodeEvaluator::IsThinWalled() {
   return isThin != kNone && e_.Scalar(isThin) != 0;
 }
 
+Id NodeEvaluator::PresenceOf(const Surface& surface) {
+  if (surface.opacity == kNone) return e_.Number(1);
+  return e_.Arithmetic("clamp", {surface.opacity, e_.Number(0), e_.Number(1)});
+}
+
+// MaterialX mixes surfaces that are multiplied by their opacity already (genglsl/mx_mix_surfaceshader.glsl), so what is
+// not there does not show. Ours are multiplied by the opacity of the whole: of what is there, this is the front's part.
+Id NodeEvaluator::ShareOfPresent(Id factor, Id front, Id back, Id whole) {
+  if (front == back) return factor;
+  const Id part = e_.Arithmetic("multiply", {factor, front});
+  const Id share = e_.Arithmetic("divide", {part, e_.Arithmetic("max", {whole, e_.Number(1e-20f)})});
+  return e_.Arithmetic("min", {share, e_.Number(1)});
+}
+
 bool NodeEvaluator::EvaluateSurface(Port* result) {
   const std::string_view category = node_.definition->category;
   Surface surface;
@@ -291,19 +305,25 @@ bool NodeEvaluator::EvaluateSurface(Port* result) {
     const Id fg = In("fg"), bg = In("bg");
     const Id factor = e_.Arithmetic("clamp", {In("mix", Type::Float), e_.Number(0), e_.Number(1)});
     const Surface front = fg == kNone ? Surface() : b_.surfaces_[fg], back = bg == kNone ? Surface() : b_.surfaces_[bg];
-    const auto blend = [&](Id b, Id f, float missing) {
+    const auto blend = [&](Id b, Id f, Id amount) {
       if (b == kNone && f == kNone) return kNone;
-      return e_.Arithmetic("mix", {b == kNone ? e_.Number(missing) : b, f == kNone ? e_.Number(missing) : f, factor});
+      const Id zero = e_.Number(0);
+      return e_.Arithmetic("mix", {b == kNone ? zero : b, f == kNone ? zero : f, amount});
     };
-    surface.emission = blend(back.emission, front.emission, 0);
-    surface.opacity = blend(back.opacity, front.opacity, 1);
+    Id share = factor;
+    if (front.opacity != kNone || back.opacity != kNone) {
+      const Id foreground = PresenceOf(front), background = PresenceOf(back);
+      surface.opacity = blend(background, foreground, factor);
+      share = ShareOfPresent(factor, foreground, background, surface.opacity);
+    }
+    surface.emission = blend(back.emission, front.emission, share);
     surface.isThinWalled = front.isThinWalled || back.isThinWalled;
     if (front.bsdf != kNone || back.bsdf != kNone) {
       Bsdf mix;
       mix.kind = Bsdf::Kind::Mix;
       mix.first = front.bsdf;
       mix.second = back.bsdf;
-      mix.factor = factor;
+      mix.factor = share;
       b_.bsdfs_.push_back(mix);
       surface.bsdf = BsdfId(b_.bsdfs_.size() - 1);
     }

@@ -69,7 +69,9 @@ class Emitter {
     Id scale = kNone;
     if (material_.closure.passThrough != kNone) {
       const Id present = opacity_ == kNone ? e_.Number(1) : opacity_;
-      const Id blocked = e_.Arithmetic("subtract", {e_.Number(1), material_.closure.passThrough});
+      // Shares that add up to 1 may round to more.
+      const Id passed = e_.Arithmetic("min", {material_.closure.passThrough, e_.Number(1)});
+      const Id blocked = e_.Arithmetic("subtract", {e_.Number(1), passed});
       opacity_ = e_.Arithmetic("multiply", {present, blocked});
       scale = e_.Arithmetic("divide", {present, e_.Arithmetic("max", {opacity_, e_.Number(1e-4f)})});
       if (emission_ != kNone) emission_ = e_.Arithmetic("multiply", {emission_, scale});
