@@ -28,6 +28,17 @@ def build_facts() -> dict[str, str]: ...
 def measure_copy_bandwidth(device: str = "") -> dict[str, Any]:
     """name, driver and type of the device that is chosen; bytesPerSecond, read and written, of copies in its memory."""
 
+class RayCaster:
+    """Given rays through a mesh (points, triangles: n x 3) by the renderer's trees and traversal; for the benchmark."""
+
+    def __init__(self, points: Array, triangles: Array, device: str = "") -> None: ...
+    def set_rays(self, origins: Array, directions: Array) -> None:
+        """The rays of the next casts. RuntimeError where there is no device."""
+
+    def cast(self) -> None: ...
+    def hits(self) -> tuple[npt.NDArray[np.float32], npt.NDArray[np.int32]]:
+        """Distances, in lengths of the direction, and triangles, -1 where nothing is hit, of the last cast."""
+
 def list_devices() -> list[dict[str, Any]]:
     """name, driver, type ("discrete GPU", "integrated GPU", "virtual GPU", "CPU", "other"), apiVersion, heapBytes,
     subgroupSize, usable, whyNot, details (list of pairs)."""

@@ -12,6 +12,9 @@ void BindBuildFacts(nanobind::module_& module);
 /// Adds `list_devices()`, `render_settings()`, `aovs()`, `aov_of_render_var()`, `aov_channels()`.
 void BindRegistries(nanobind::module_& module);
 
+/// Adds RayCaster.
+void BindRayCaster(nanobind::module_& module);
+
 /// Adds Diagnostic, TextureRequest, Film.
 void BindValues(nanobind::module_& module);
 

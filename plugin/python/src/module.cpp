@@ -8,6 +8,7 @@ NB_MODULE(_core, module) {
   module.doc() = "hdWavefront's core: renderer, delegate and material generator";
   BindBuildFacts(module);
   BindRegistries(module);
+  BindRayCaster(module);
   BindValues(module);
   BindDelegate(module);
 }

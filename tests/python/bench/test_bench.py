@@ -14,7 +14,7 @@ import pytest
 from hdwavefront.bench import runner, sweeps, tables
 from hdwavefront.bench.measure import GROUPS, Reading, Spread, group_of
 from hdwavefront.bench.paper import PAPER
-from hdwavefront.bench.peers import compare, flat
+from hdwavefront.bench.peers import compare, embree_peer, flat
 from hdwavefront.bench.runner import Clock, Outcome, run_task
 from hdwavefront.bench.scene_bench import brief, remarks, summary
 from hdwavefront.bench.scenes import SCENES, sweep_scene
@@ -284,6 +284,60 @@ def test_an_absent_peer_is_said(monkeypatch: pytest.MonkeyPatch, capfd: pytest.C
     monkeypatch.setenv("HDWAVEFRONT_BPY_PYTHON", "/nowhere/python")
     assert main(["bench", "carpaint", "--peer", "cycles"]) == 0
     assert "cycles is not compared: $HDWAVEFRONT_BPY_PYTHON does not start" in capfd.readouterr().out
+
+
+FAKE_EMBREE = """
+import numpy as np
+from hdwavefront.api import core
+
+class EmbreeScene:
+    def run(self, origins, directions):
+        self.caster.set_rays(origins, directions)
+        return self.caster.hits()[1]
+
+def TriangleMesh(scene, points, triangles):
+    scene.caster = core().RayCaster(points, triangles.astype(np.uint32))
+"""
+
+
+def test_embree_casts_the_same_rays(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    """The whole way, with our own traversal in Embree's place: the hits have to agree."""
+    package = tmp_path / "embreex"
+    package.mkdir()
+    for name in ("__init__", "rtcore_scene", "mesh_construction"):
+        (package / f"{name}.py").write_text(FAKE_EMBREE if name == "rtcore_scene" else "")
+    (package / "mesh_construction.py").write_text("from .rtcore_scene import TriangleMesh\n")
+    monkeypatch.syspath_prepend(str(tmp_path))
+    file = tmp_path / "peers.json"
+    arguments = ["bench", "carpaint", "--peer", "embree", "--width", "96", "--turns", "1", "--json", str(file)]
+    assert main(arguments) == 0
+    rows = json.loads(file.read_text())["peers"]
+    assert [row["kind"] for row in rows] == ["camera", "bounce 1", "bounce 2"]
+    assert [row["rays"] for row in rows[1:]] == [round(row["rays"] * row["hit"]) for row in rows[:2]]
+    assert all(row["agree"] == 1 and row["ours"] > 0 and row["ratio"] > 0 and row["hit"] > 0.1 for row in rows)
+    assert "| carpaint | embree |   camera, 9,552 triangles |" in capfd.readouterr().out
+
+
+def test_bounces_leave_the_side_that_was_hit_by_the_cosine() -> None:
+    points = np.array([[-9, -9, 0], [9, -9, 0], [0, 9, 0]], np.float32)
+    triangles = np.array([[0, 1, 2]], np.uint32)
+    n = 20_000
+    origins = np.tile(np.array([0, 0, -2], np.float32), (n, 1))
+    directions = np.tile(np.array([0, 0.5, 1], np.float32), (n, 1))
+    hit = np.zeros(n, np.int32)
+    hit[::2] = -1
+    starts, ways = embree_peer.bounced(points, triangles, (origins, directions), np.full(n, 2, np.float32), hit, 1)
+    assert len(starts) == n // 2
+    np.testing.assert_allclose(starts[:, :2], np.tile([0, 1], (n // 2, 1)), atol=1e-6)
+    assert (starts[:, 2] < 0).all() and (starts[:, 2] > -1e-3).all()
+    cosines = -ways[:, 2]
+    assert (cosines > 0).all()
+    # Density cosine / pi: mean 2/3, mean of squares 1/2; and no way to turn is preferred.
+    assert cosines.mean() == pytest.approx(2 / 3, abs=0.01)
+    assert (cosines**2).mean() == pytest.approx(0.5, abs=0.01)
+    assert np.abs(ways[:, :2].mean(0)).max() < 0.02
 
 
 def test_mitsuba_renders_the_same_scene(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:

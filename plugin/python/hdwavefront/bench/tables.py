@@ -143,11 +143,8 @@ def peer_table(rows: Sequence[Mapping[str, Any]]) -> str:
         peer = row["peer"] + (f" {row['variant']}" if row["peer"] == "mitsuba" else "")
         ours, theirs = row["ours"], row["theirs"]
         if row["peer"] == "embree":
-            cells = [
-                "camera rays",
-                f"{ours['mraysPerCpuSecond']:.2f} Mrays/s",
-                f"{theirs['mraysPerCpuSecond']:.2f} Mrays/s",
-            ]
+            of = f"{row['kind']}, {row['triangles']:,} triangles"
+            cells = [of, f"{ours:.2f} Mrays/s", f"{theirs:.2f} Mrays/s"]
         else:
             cells = [f"{ours['samples']} samples", *(_noise(r) for r in (ours, theirs))]
         body.append([row["scene"], peer, *cells, f"{row['ratio']:.2f}"])

@@ -17,6 +17,8 @@ _QUICK_SCENE_SECONDS = 14.0
 _WHOLE_SECONDS = 570.0
 _SCENES = ("carpaint", "city", "conference")
 _SWEEPS = ("materials", "triangles", "instances", "lights", "resolution", "samples", "pool")
+_RAY_TURNS = 9
+_MILLION = "a million triangles"  # the sweep's step, for rays
 _MEGAKERNEL_SECONDS = "600"  # of compiling, at most; the scenes are to be compared, whatever it takes
 
 
@@ -47,7 +49,7 @@ def add_bench_arguments(parser: argparse.ArgumentParser) -> None:
         choices=("mitsuba", "cycles", "embree"),
         default=[],
         help="in place of all that, the scenes against this renderer: 1 / (relMSE x CPU seconds), or with embree the "
-        "rate of the camera's rays",
+        "rates of the camera's rays and of two diffuse bounces (of 'triangles', a million)",
     )
     parser.add_argument("--variant", default="scalar_rgb", help="Mitsuba's variant (default: %(default)s)")
     parser.add_argument("--peer-samples", type=int, default=16, help="samples of those pictures (default: %(default)s)")
@@ -157,7 +159,7 @@ def bench(args: argparse.Namespace) -> int:
     for stage in stages:
         tasks[os.path.basename(stage)] = Task(stage=os.path.abspath(stage), **common)
     if args.peer:
-        return _run_peers(args, scenes, stages, machine)
+        return _run_peers(args, [*scenes, *stages], "triangles" in sweeps, machine)
     results, notes = _run_scenes(args, tasks, clock)
     if results:
         print("\n" + tables.scene_table(results, machine["isProcessor"]))
@@ -180,11 +182,11 @@ def bench(args: argparse.Namespace) -> int:
     return EXIT_FAILED if broken else EXIT_OK
 
 
-def _run_peers(args: argparse.Namespace, scenes: list[str], stages: list[str], machine: dict[str, Any]) -> int:
+def _run_peers(args: argparse.Namespace, names: list[str], a_million: bool, machine: dict[str, Any]) -> int:
     import tempfile
 
-    from ..bench.peers.compare import compare, why_absent
-    from ..bench.scenes import SCENES, stage_scene
+    from ..bench.peers.compare import compare, compare_rays, why_absent
+    from ..bench.scenes import SCENES, stage_scene, sweep_scene
     from ..bench.tables import peer_table
 
     rows, failed = [], False
@@ -193,11 +195,17 @@ def _run_peers(args: argparse.Namespace, scenes: list[str], stages: list[str], m
         if absent:
             print(f"{peer} is not compared: {absent}.")
             continue
-        for name in [*scenes, *stages]:
+        for name in [*names, *([_MILLION] if peer == "embree" and a_million else [])]:
             _say(f"{name} by {peer} ...")
             with tempfile.TemporaryDirectory(prefix="hdwavefront-bench-") as folder:
-                scene = SCENES[name](folder) if name in SCENES else stage_scene(os.path.abspath(name))
+                if name == _MILLION:
+                    scene = sweep_scene(folder, "triangles", count=1_000_000)
+                else:
+                    scene = SCENES[name](folder) if name in SCENES else stage_scene(os.path.abspath(name))
                 try:
+                    if peer == "embree":
+                        rows += compare_rays(scene, folder, args.width, args.turns or _RAY_TURNS, args.device)
+                        continue
                     rows.append(compare(peer, scene, folder, args.width, args.peer_samples, args.device, args.variant))
                 except HdWavefrontError as error:
                     failed = True

@@ -54,12 +54,7 @@ def _own(scene: Scene, width: int, samples: int, device: str) -> dict[str, Any]:
         seconds += time.process_time() - cpu
         wall_seconds += time.perf_counter() - wall
         pictures.append(render.map("color"))
-    stats = render.stats()
-    total = sum(k["milliseconds"] for k in stats["kernels"])
-    rays = next((k for k in stats["kernels"] if k["name"] == "extension_ray"), None)
     result = _efficiency(pictures, seconds / 2, wall_seconds / 2, samples)
-    if rays and total:
-        result["mraysPerCpuSecond"] = rays["items"] / (seconds / 2 * rays["milliseconds"] / total) * 1e-6
     result["size"] = render.size
     return result
 
@@ -95,8 +90,12 @@ def why_absent(peer: str) -> str:
 def _run(peer: str, path: str, options: dict[str, Any], limit: float) -> list[dict[str, Any]]:
     python = os.environ.get("HDWAVEFRONT_BPY_PYTHON", sys.executable) if peer == "cycles" else sys.executable
     command = [python, str(_HERE / f"{peer}_peer.py"), path, json.dumps(options)]
+    # Embree's peer is our own, too: rays are compared by one thread of each.
+    own = {"PYTHONPATH": os.pathsep.join(p for p in sys.path if p), "LP_NUM_THREADS": "1"} if peer == "embree" else {}
     try:
-        done = subprocess.run(command, capture_output=True, text=True, timeout=limit, check=False)
+        done = subprocess.run(
+            command, capture_output=True, text=True, timeout=limit, check=False, env={**os.environ, **own}
+        )
     except subprocess.TimeoutExpired:
         raise HdWavefrontError(f"{peer} did not end within {limit:.0f} s.") from None
     if done.returncode != 0:
@@ -105,11 +104,18 @@ def _run(peer: str, path: str, options: dict[str, Any], limit: float) -> list[di
     return [json.loads(line) for line in done.stdout.splitlines() if line.startswith('{"event"')]
 
 
+def compare_rays(scene: Scene, folder: str, width: int, turns: int, device: str) -> list[dict[str, Any]]:
+    """A row for each kind of ray: Mrays/s of a core, ours and Embree's, and the median of their ratios in turns."""
+    options = {"width": width, "height": width * 9 // 16, "turns": turns, "device": device}
+    said = _run("embree", flat.write(scene.path, folder), options, 1800.0)
+    return [{"scene": scene.name, "peer": "embree", **line} for line in said if line["event"] == "rays"]
+
+
 def compare(
     peer: str, scene: Scene, folder: str, width: int, samples: int, device: str, variant: str
 ) -> dict[str, Any]:
-    """Both on the scene. For embree only rays are compared: the camera's."""
-    bounces = 0 if peer == "embree" else int(scene.settings.get("maxBounces", 8))
+    """Both on the scene."""
+    bounces = int(scene.settings.get("maxBounces", 8))
     own_scene = Scene(scene.name, scene.path, 0, 0, 0, 0, 0, {**scene.settings, "maxBounces": bounces})
     ours = _own(own_scene, width, samples, device)
     options = {
@@ -122,9 +128,6 @@ def compare(
     }
     said = _run(peer, flat.write(scene.path, folder), options, 1800.0)
     result: dict[str, Any] = {"scene": scene.name, "peer": peer, "variant": variant, "ours": ours}
-    if peer == "embree":
-        theirs = next(line for line in said if line["event"] == "rays")
-        return {**result, "theirs": theirs, "ratio": ours["mraysPerCpuSecond"] / theirs["mraysPerCpuSecond"]}
     pictures = [line for line in said if line["event"] == "picture"]
     cpu, wall = (float(np.mean([p[key] for p in pictures])) for key in ("cpu", "wall"))
     images = [np.load(p["file"]) for p in pictures]
