@@ -145,6 +145,7 @@ class NodeEvaluator {
   bool EvaluateGeometry(Port* result);
   bool EvaluateTexture(Port* result);  // texture_nodes.cpp
   bool EvaluateImage(Port* result);
+  void SayLayersAndFrames(const AssetValue& file);
   bool EvaluateHexTiles(Port* result);
   bool EvaluateNormalMap(Port* result);
   bool EvaluateHeightToNormal(Port* result);

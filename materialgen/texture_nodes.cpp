@@ -83,12 +83,25 @@ bool NodeEvaluator::EvaluateTexture(Port* result) {
   return false;
 }
 
+// Says what of an image node counts and is not read: a layer of the file, and a sequence of files by frame
+// (MaterialX 1.39, "Image nodes"). An offset or end action without either changes nothing.
+void NodeEvaluator::SayLayersAndFrames(const AssetValue& file) {
+  std::string layer, range;
+  InText("layer", &layer);
+  InText("framerange", &range);
+  if (!layer.empty()) Unsupported("'layer' of an image node is not read: not '" + layer + "' but the file's first is shown");
+  if (!range.empty() || file.authoredPath.find("frame}") != std::string::npos)
+    Unsupported("image sequences ('framerange', 'frameoffset', 'frameendaction', {frame} in a file's name) are not read; "
+                "the file is shown at every frame");
+}
+
 bool NodeEvaluator::EvaluateImage(Port* result) {
   const Type type = OutputType();
   const Id fallback = In("default", type), uv = In("texcoord", Type::Vec2);
   if (fallback == kNone || uv == kNone || In("file") == kNone) return false;
   const Id texture = TextureOf("file");
   if (texture == kNone) return Number(result, fallback);
+  SayLayersAndFrames(*e_.AssetOf(In("file")));
   const bool isUsd = b_.current_ && b_.current_->identifier == "UsdUVTexture";
   Id footprint = Footprint(uv);
   if (footprint == kNone) footprint = e_.Number(0);

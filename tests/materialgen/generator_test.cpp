@@ -61,6 +61,42 @@ TEST(MaterialGen, TilesAreReadWhereTheFileIsAPattern) {
 }
 
 // Every input with a value of its own, and with a texture: compiles, and asks for what it should.
+// Layers of a file and sequences of files, which are not read: said where they change the picture, and only there.
+TEST(MaterialGen, LayersAndFramesOfImagesAreSaid) {
+  struct Case {
+    const char *identifier, *file, *input;
+    Value value;
+    const char* said;  // empty: nothing
+  };
+  const Case cases[] = {
+      {"ND_image_color3", "a.exr", "layer", std::string("specular"), "'layer'"},
+      {"ND_image_color3", "a.exr", "layer", std::string(), ""},
+      {"ND_image_float", "a.exr", "framerange", std::string("1-4"), "sequences"},
+      {"ND_image_color4", "a.{0frame}.exr", "frameoffset", int32_t{2}, "sequences"},
+      {"ND_image_vector3", "a.exr", "frameoffset", int32_t{2}, ""},
+      {"ND_image_color3", "a.exr", "frameendaction", std::string("mirror"), ""},
+      {"ND_tiledimage_color3", "a.exr", "framerange", std::string("1-4"), "sequences"},
+      {"ND_triplanarprojection_color3", "a.exr", "layerx", std::string("specular"), "'layer'"},
+  };
+  for (const Case& c : cases) {
+    const AssetValue file{c.file, std::string("/resolved/") + c.file, ""};
+    const bool isTriplanar = std::string_view(c.identifier).find("triplanar") != std::string_view::npos;
+    MaterialNetwork network = Standard();
+    network.nodes.push_back({"/i", c.identifier, {{isTriplanar ? "filex" : "file", file}, {c.input, c.value}}});
+    network.connections.push_back({"/i", "out", network.surfaceNode, "base_color"});
+    const Result result = RunNetwork(network);
+    const std::string where = std::string(c.identifier) + " " + c.input;
+    if (!*c.said) {
+      EXPECT_TRUE(result.messages.empty()) << where;
+      continue;
+    }
+    ASSERT_EQ(result.messages.size(), 1u) << where;
+    EXPECT_EQ(result.messages[0].code, "material-unsupported-feature");
+    EXPECT_EQ(result.messages[0].location, "/i");
+    EXPECT_NE(result.messages[0].text.find(c.said), std::string::npos) << result.messages[0].text;
+  }
+}
+
 TEST(MaterialGen, EveryPreviewSurfaceInputCompiles) {
   const std::map<std::string, Value> values = {{"diffuseColor", Color{0.5f, 0.2f, 0.1f}},
                                                {"emissiveColor", Color{1, 2, 3}},

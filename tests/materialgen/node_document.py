@@ -15,8 +15,8 @@ HEAD = """<!-- SPDX-License-Identifier: Apache-2.0 -->
 # Pattern nodes
 Every node of MaterialX {version}'s libraries whose outputs are values. "yes": all its variants are compiled, run on the
 device and compared with a reference of their own by `tests/materialgen/test_nodes.py`, with inputs that vary over the
-surface (the kernel computes them) and with authored ones (the CPU does). Written by
-`tests/materialgen/node_document.py`; the test fails where this list is not what the library has and the tests cover.
+surface (the kernel computes them) and with authored ones (the CPU does); "partly": but for what the remark names. Written
+by `tests/materialgen/node_document.py`; the test fails where this list is not what the library has and the tests cover.
 
 ![Thirty pattern nodes](../resources/pictures/pattern_nodes.png)
 
@@ -42,8 +42,11 @@ NOTES = {
     "position": "`model` is `object`",
     "tangent": "along `st`",
     "bitangent": "along `st`",
-    "image": "no image sequences or layers",
 }
+
+
+# Inputs that no node reads, which say so where they would count; a test in generator_test.cpp.
+UNREAD = ("layer", "layerx", "framerange")
 
 
 def document() -> str:
@@ -54,18 +57,24 @@ def document() -> str:
     rows: dict[tuple[str, str], list[Any]] = {}
     for definition in pattern_definitions():
         rows.setdefault((definition.getNodeGroup(), definition.getNodeString()), []).append(definition)
+    some = 0
     text = HEAD.format(version=mx.getVersionString())
     text += "| group | node | variants | works | remarks |\n|---|---|---|---|---|\n"
     for (group, node), definitions in sorted(rows.items()):
         silent = sorted(d.getName() for d in definitions if d.getName() in TEXT_READERS)
-        works = "yes" if not silent else "no" if len(silent) == len(definitions) else "partly"
+        unread = [name for name in UNREAD if group.startswith("texture") and definitions[0].getActiveInput(name)]
+        some += len(definitions) if unread else 0
+        works = "yes" if not silent and not unread else "no" if len(silent) == len(definitions) else "partly"
         remarks = [NOTES[node]] if node in NOTES else []
         if silent:
             names = ", ".join(f"`{name}`" for name in silent)
             remarks.append(f"{names}: a kernel reads no text primvars; the default, and `material-unsupported-feature`")
+        if unread:
+            what = "image sequences" if unread == ["framerange"] else "layers and image sequences"
+            remarks.append(f"{what} are not read, and `material-unsupported-feature` says so")
         text += f"| {group} | {node} | {len(definitions)} | {works} | {'; '.join(remarks)} |\n"
     total = sum(len(d) for d in rows.values())
-    return text + f"\n{total} definitions of {len(rows)} nodes; {total - len(TEXT_READERS)} work.\n"
+    return text + f"\n{total} definitions of {len(rows)} nodes; {total - len(TEXT_READERS)} work, {some} of them partly.\n"
 
 
 if __name__ == "__main__":
