@@ -77,6 +77,10 @@ TEST(Displacement, SurfaceAndDisplacementDoNotSeeEachOther) {
   textured.connections = {{"/m/t", "rgb", "/m/d", "diffuseColor"}};
   EXPECT_EQ(Displacement(plain).material.kernel, Displacement(textured).material.kernel);
   EXPECT_TRUE(Displacement(textured).material.textures.empty());
+  // What is wrong with one is not told of the other again.
+  textured.nodes.push_back({"/m/x", "ND_nonsense", {}});
+  textured.connections = {{"/m/x", "out", "/m/d", "diffuseColor"}};
+  EXPECT_TRUE(Displacement(textured).messages.empty());
 }
 
 TEST(Displacement, MixTakesNumbersAndVectors) {
