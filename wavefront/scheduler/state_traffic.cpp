@@ -17,58 +17,127 @@ enum BindingNumber : uint32_t {
 
 // Of the SPIR-V specification, section 3.
 constexpr uint32_t kMagic = 0x07230203, kHeaderWords = 5;
-constexpr uint32_t kOpEntryPoint = 15, kOpFunction = 54, kOpFunctionCall = 57, kOpLoad = 61, kOpStore = 62, kOpAccessChain = 65, kOpDecorate = 71;
+enum Op : uint32_t {
+  kOpEntryPoint = 15, kOpConstantTrue = 41, kOpConstantFalse = 42, kOpFunction = 54, kOpFunctionEnd = 56, kOpFunctionCall = 57,
+  kOpLoad = 61, kOpStore = 62, kOpAccessChain = 65, kOpDecorate = 71, kOpLoopMerge = 246, kOpLabel = 248, kOpBranch = 249,
+  kOpBranchConditional = 250, kOpSwitch = 251
+};
 constexpr uint32_t kDecorationBinding = 33;
 
-struct Function {
+struct Block {
   StateTraffic own;
-  std::vector<uint32_t> calls;
+  std::vector<uint32_t> calls;  // functions
+  std::vector<uint32_t> next;   // labels
+  uint32_t loopMerge = 0;       // of a loop's header: where it goes on behind the loop
+};
+struct Function {
+  std::vector<Block> blocks;
+  std::unordered_map<uint32_t, std::size_t> places;  // of labels
 };
 
-// Functions do not call themselves in SPIR-V for Vulkan, so this ends; what was summed once is kept.
-StateTraffic Sum(uint32_t id, const std::unordered_map<uint32_t, Function>& functions, std::unordered_map<uint32_t, StateTraffic>& known) {
-  if (auto found = known.find(id); found != known.end()) return found->second;
-  known[id] = {};
-  auto function = functions.find(id);
-  if (function == functions.end()) return {};
-  StateTraffic sum = function->second.own;
-  for (uint32_t call : function->second.calls) {
-    const StateTraffic part = Sum(call, functions, known);
-    sum.chunksRead += part.chunksRead;
-    sum.chunksWritten += part.chunksWritten;
+StateTraffic Sum(StateTraffic a, const StateTraffic& b) { return {a.chunksRead + b.chunksRead, a.chunksWritten + b.chunksWritten}; }
+uint32_t Total(const StateTraffic& t) { return t.chunksRead + t.chunksWritten; }
+
+class Module {
+ public:
+  explicit Module(std::span<const uint32_t> spirv) { valid_ = Read(spirv); }
+  StateTraffic OfEntryPoint() { return valid_ ? Of(entry_) : StateTraffic{}; }
+
+ private:
+  bool Read(std::span<const uint32_t> spirv);
+  void Branch(std::span<const uint32_t> words);
+  StateTraffic Of(uint32_t function);
+
+  bool valid_ = false;
+  uint32_t entry_ = 0;
+  std::unordered_set<uint32_t> read_, written_, elements_;  // variables of the two bindings; pointers into the second
+  std::unordered_map<uint32_t, bool> constants_;
+  std::unordered_map<uint32_t, Function> functions_;
+  std::unordered_map<uint32_t, StateTraffic> known_;
+  Function* function_ = nullptr;
+};
+
+bool Module::Read(std::span<const uint32_t> spirv) {
+  if (spirv.size() < kHeaderWords || spirv[0] != kMagic) return false;
+  Block outside;  // of instructions in no block, which move nothing
+  for (std::size_t at = kHeaderWords; at < spirv.size();) {
+    const uint32_t count = spirv[at] >> 16, op = spirv[at] & 0xffffu;
+    if (count == 0 || at + count > spirv.size()) return false;
+    const std::span<const uint32_t> words = spirv.subspan(at, count);
+    const auto word = [&](uint32_t i) { return i < count ? words[i] : 0u; };
+    Block& block = function_ != nullptr && !function_->blocks.empty() ? function_->blocks.back() : outside;
+    switch (op) {
+      case kOpEntryPoint: entry_ = word(2); break;
+      case kOpDecorate:
+        if (word(2) != kDecorationBinding) break;
+        if (word(3) == kPathStateRead) read_.insert(word(1));
+        if (word(3) == kPathStateWrite) written_.insert(word(1));
+        break;
+      case kOpConstantTrue: case kOpConstantFalse: constants_[word(2)] = op == kOpConstantTrue; break;
+      case kOpFunction: function_ = &functions_[word(2)]; break;
+      case kOpFunctionEnd: function_ = nullptr; break;
+      case kOpLabel:
+        if (function_ == nullptr) return false;
+        function_->places[word(1)] = function_->blocks.size();
+        function_->blocks.emplace_back();
+        break;
+      case kOpFunctionCall: block.calls.push_back(word(3)); break;
+      case kOpLoad: block.own.chunksRead += static_cast<uint32_t>(read_.count(word(3))); break;
+      case kOpAccessChain: if (written_.count(word(3))) elements_.insert(word(2)); break;
+      case kOpStore: block.own.chunksWritten += static_cast<uint32_t>(elements_.count(word(1))); break;
+      case kOpLoopMerge: block.loopMerge = word(1); break;
+      case kOpBranch: case kOpBranchConditional: case kOpSwitch:
+        if (function_ != nullptr && !function_->blocks.empty()) Branch(words);
+        break;
+      default: break;
+    }
+    at += count;
   }
-  return known[id] = sum;
+  return true;
+}
+
+// Where the last block goes on. Conditions that are constants are decided: GLSL's `if (kHas...)`.
+void Module::Branch(std::span<const uint32_t> words) {
+  const uint32_t op = words[0] & 0xffffu;
+  std::vector<uint32_t>& next = function_->blocks.back().next;
+  if (op == kOpBranch && words.size() > 1) next = {words[1]};
+  if (op == kOpBranchConditional && words.size() > 3) {
+    const auto decided = constants_.find(words[1]);
+    if (decided == constants_.end()) next = {words[2], words[3]};
+    else next = {decided->second ? words[2] : words[3]};
+  }
+  if (op == kOpSwitch) {
+    for (std::size_t i = 2; i < words.size(); i += 2) next.push_back(words[i]);  // the default, then (literal, label)
+  }
+}
+
+// The way through the function that moves most; loops are gone through once.
+StateTraffic Module::Of(uint32_t id) {
+  if (auto found = known_.find(id); found != known_.end()) return found->second;
+  known_[id] = {};  // functions do not call themselves in SPIR-V for Vulkan; a broken module must end, too
+  const auto found = functions_.find(id);
+  if (found == functions_.end()) return {};
+  const Function& f = found->second;
+  std::vector<StateTraffic> most(f.blocks.size());
+  // Blocks stand behind those that lead to them, but for the ends of loops, which go on behind the loop here.
+  for (std::size_t b = f.blocks.size(); b-- > 0;) {
+    const Block& block = f.blocks[b];
+    StateTraffic rest;
+    for (uint32_t label : block.next) {
+      auto to = f.places.find(label);
+      if (to != f.places.end() && to->second <= b) to = f.places.find(f.blocks[to->second].loopMerge);
+      if (to == f.places.end() || to->second <= b) continue;
+      if (Total(most[to->second]) > Total(rest)) rest = most[to->second];
+    }
+    StateTraffic own = block.own;
+    for (uint32_t call : block.calls) own = Sum(own, Of(call));
+    most[b] = Sum(own, rest);
+  }
+  return known_[id] = f.blocks.empty() ? StateTraffic{} : most[0];
 }
 
 }  // namespace
 
-StateTraffic StateTrafficOf(std::span<const uint32_t> spirv) {
-  if (spirv.size() < kHeaderWords || spirv[0] != kMagic) return {};
-  uint32_t entry = 0, current = 0;
-  std::unordered_set<uint32_t> read, written, elements;  // variables of the two bindings; pointers into the second
-  std::unordered_map<uint32_t, Function> functions;
-  for (std::size_t at = kHeaderWords; at < spirv.size();) {
-    const uint32_t words = spirv[at] >> 16, op = spirv[at] & 0xffffu;
-    if (words == 0 || at + words > spirv.size()) return {};
-    const auto word = [&](uint32_t i) { return i < words ? spirv[at + i] : 0u; };
-    switch (op) {
-      case kOpEntryPoint: entry = word(2); break;
-      case kOpDecorate:
-        if (word(2) != kDecorationBinding) break;
-        if (word(3) == kPathStateRead) read.insert(word(1));
-        if (word(3) == kPathStateWrite) written.insert(word(1));
-        break;
-      case kOpFunction: current = word(2); break;
-      case kOpFunctionCall: functions[current].calls.push_back(word(3)); break;
-      case kOpLoad: functions[current].own.chunksRead += static_cast<uint32_t>(read.count(word(3))); break;
-      case kOpAccessChain: if (written.count(word(3))) elements.insert(word(2)); break;
-      case kOpStore: functions[current].own.chunksWritten += static_cast<uint32_t>(elements.count(word(1))); break;
-      default: break;
-    }
-    at += words;
-  }
-  std::unordered_map<uint32_t, StateTraffic> known;
-  return Sum(entry, functions, known);
-}
+StateTraffic StateTrafficOf(std::span<const uint32_t> spirv) { return Module(spirv).OfEntryPoint(); }
 
 }  // namespace wavefront

@@ -28,6 +28,7 @@ std::vector<uint32_t> Module() {
   Add(m, 71, {2, 33, 2});
   Add(m, 71, {3, 33, 3});
   Add(m, 54, {90, 20, 0, 91});
+  Add(m, 248, {60});
   Add(m, 61, {92, 30, 2});
   Add(m, 65, {93, 31, 1, 40});
   Add(m, 62, {31, 30});
@@ -35,12 +36,14 @@ std::vector<uint32_t> Module() {
   Add(m, 62, {32, 30});  // not path state
   Add(m, 56, {});
   Add(m, 54, {90, 10, 0, 91});
+  Add(m, 248, {61});
   Add(m, 57, {90, 33, 20});
   Add(m, 57, {90, 34, 20});
   Add(m, 65, {93, 35, 1, 40});
   Add(m, 62, {35, 30});
   Add(m, 56, {});
   Add(m, 54, {90, 50, 0, 91});  // nobody calls it
+  Add(m, 248, {62});
   Add(m, 61, {92, 51, 2});
   Add(m, 56, {});
   return m;
@@ -50,6 +53,54 @@ TEST(StateTraffic, CountsPlacesThroughCalls) {
   const StateTraffic traffic = StateTrafficOf(Module());
   EXPECT_EQ(traffic.chunksRead, 2u);
   EXPECT_EQ(traffic.chunksWritten, 3u);
+}
+
+// main: a loop (header 70, body 71, its end 72, behind it 73) whose body loads once; then, by a condition, one load (74)
+// or two stores (75); then, by a constant that is false, three stores (77) or nothing; then one store (78).
+std::vector<uint32_t> Branches() {
+  std::vector<uint32_t> m = {0x07230203, 0x00010300, 0, 200, 0};
+  Add(m, 15, {5, 10, 0x6e69616d, 0});
+  Add(m, 71, {1, 33, 1});
+  Add(m, 71, {2, 33, 2});
+  Add(m, 42, {95, 96});  // false
+  const auto load = [&] { Add(m, 61, {92, 30, 2}); };
+  const auto store = [&] { Add(m, 65, {93, 31, 1, 40}); Add(m, 62, {31, 30}); };
+  Add(m, 54, {90, 10, 0, 91});
+  Add(m, 248, {69});
+  Add(m, 249, {70});
+  Add(m, 248, {70});
+  Add(m, 246, {73, 72, 0});
+  Add(m, 249, {71});
+  Add(m, 248, {71});
+  load();
+  Add(m, 250, {97, 72, 73});
+  Add(m, 248, {72});
+  Add(m, 249, {70});
+  Add(m, 248, {73});
+  Add(m, 250, {97, 74, 75});
+  Add(m, 248, {74});
+  load();
+  Add(m, 249, {76});
+  Add(m, 248, {75});
+  store();
+  store();
+  Add(m, 249, {76});
+  Add(m, 248, {76});
+  Add(m, 250, {96, 77, 78});
+  Add(m, 248, {77});
+  for (int i = 0; i < 3; ++i) store();
+  Add(m, 249, {78});
+  Add(m, 248, {78});
+  store();
+  Add(m, 253, {});
+  Add(m, 56, {});
+  return m;
+}
+
+TEST(StateTraffic, IsThatOfTheWayWithMost) {
+  const StateTraffic traffic = StateTrafficOf(Branches());
+  EXPECT_EQ(traffic.chunksRead, 1u);     // the loop's; not that of the other branch
+  EXPECT_EQ(traffic.chunksWritten, 3u);  // two of that branch, and the last; not what a constant rules out
 }
 
 TEST(StateTraffic, BrokenModulesHaveNone) {
