@@ -177,7 +177,13 @@ TfTokenVector RenderDelegate::GetMaterialRenderContexts() const {
   return contexts;
 }
 
-TfTokenVector RenderDelegate::GetShaderSourceTypes() const { return GetMaterialRenderContexts(); }
+// "glslfx" is not rendered either: but without it UsdImaging empties materials of such files, with scene-index mode off, and
+// nobody could tell of them.
+TfTokenVector RenderDelegate::GetShaderSourceTypes() const {
+  TfTokenVector types = GetMaterialRenderContexts();
+  types.emplace_back("glslfx");
+  return types;
+}
 
 TfTokenVector RenderDelegate::GetRenderSettingsNamespaces() const { return {TfToken("wavefront")}; }
 

@@ -4,6 +4,7 @@
 
 #include <pxr/base/tf/diagnostic.h>
 #include <pxr/base/tf/pathUtils.h>
+#include <pxr/base/tf/stringUtils.h>
 #include <pxr/base/work/loops.h>
 
 #include "delegate/texture_tiles.h"
@@ -47,7 +48,17 @@ void RenderParam::FlushInstances() {
 }
 
 void RenderParam::LoadTiles(const delegate::TextureLoadRequest& request) {
-  const auto files = delegate::FindTiles(request.texture.resolvedPath);
+  // UsdImaging anchors some patterns to the layers that author them, others it hands over as they are authored.
+  std::string pattern = request.texture.resolvedPath;
+  std::vector<std::string> anchored;
+  if (TfIsRelativePath(pattern)) anchored = AnchoredPatterns(pattern);
+  if (anchored.size() == 1) {
+    Report(wavefront::Severity::Info, "texture-anchored", SdfPath(request.location),
+           "This host did not anchor \"" + pattern + "\" to its layer; taken is " + anchored[0] +
+               ", the one beside a layer of the stage.");
+    pattern = anchored[0];
+  }
+  const auto files = anchored.size() > 1 ? decltype(delegate::FindTiles(pattern)){} : delegate::FindTiles(pattern);
   std::vector<std::pair<uint32_t, wavefront::TextureData>> tiles;
   std::string reasons;
   for (const auto& [number, file] : files) {
@@ -64,8 +75,10 @@ void RenderParam::LoadTiles(const delegate::TextureLoadRequest& request) {
   };
   if (tiles.empty()) {
     std::string why = files.empty() ? "no tile of the pattern exists." : "no tile can be used (" + reasons + ").";
-    // UsdImaging anchors some patterns to the layers that author them, others it hands over as they are authored.
-    if (files.empty() && TfIsRelativePath(request.texture.resolvedPath))
+    if (anchored.size() > 1)
+      why = "its path is relative, this host did not anchor it to its layer, and tiles lie beside several: " +
+            TfStringJoin(anchored, ", ") + ".";
+    else if (files.empty() && TfIsRelativePath(pattern))
       why += " Its path is relative, and this host did not anchor it to its layer.";
     check(core_->SetTextureMissing(request.key, why));
     return;

@@ -3,14 +3,20 @@
 #include "plugin/hydra/texture_loader.h"
 
 #include <pxr/base/gf/half.h>
+#include <pxr/base/tf/pathUtils.h>
+#include <pxr/base/tf/stringUtils.h>
 #include <pxr/imaging/hio/image.h>
 #include <pxr/imaging/hio/types.h>
+#include <pxr/usd/sdf/layer.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <set>
+
+#include "delegate/texture_tiles.h"
 
 namespace hydra {
 namespace {
@@ -213,6 +219,16 @@ wavefront::Result<wavefront::TextureData> LoadTexture(const delegate::TextureKey
   if (encoding == Encoding::Unknown)
     return wavefront::Error{"The colour space \"" + space + "\" is unknown here."};
   return Convert(path, spec, pixels, encoding);
+}
+
+std::vector<std::string> AnchoredPatterns(const std::string& pattern) {
+  std::set<std::string> anchored;
+  for (const SdfLayerHandle& layer : SdfLayer::GetLoadedLayers()) {
+    if (!layer || layer->IsAnonymous() || layer->GetRealPath().empty()) continue;
+    std::string candidate = TfNormPath(TfStringCatPaths(TfGetPathName(layer->GetRealPath()), pattern));
+    if (!anchored.count(candidate) && !delegate::FindTiles(candidate).empty()) anchored.insert(std::move(candidate));
+  }
+  return {anchored.begin(), anchored.end()};
 }
 
 }  // namespace hydra

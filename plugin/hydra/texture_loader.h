@@ -12,4 +12,8 @@ namespace hydra {
 // Any thread. An error says in one sentence why the image cannot be used.
 wavefront::Result<wavefront::TextureData> LoadTexture(const delegate::TextureKey& texture);
 
+// A relative pattern of tiles that the host did not anchor to the layer that authors it, beside each layer that is loaded where
+// tiles of it lie: one is the answer, several are a doubt. Sorted, each once.
+std::vector<std::string> AnchoredPatterns(const std::string& pattern);
+
 }  // namespace hydra

@@ -72,5 +72,14 @@ TEST(Stats, TellWhatKernelsQueuesAndMaterialsCost) {
   }
 }
 
+// UsdImaging empties materials of source types that a renderer does not name, and nothing could tell of them.
+TEST(RenderDelegate, MaterialsOfSourceFilesArriveSoThatTheyAreToldOf) {
+  Host host(delegate_test::MakeRealDelegate(2, /*captureOnly=*/true));
+  const TfTokenVector types = host.renderDelegate.GetShaderSourceTypes();
+  for (const TfToken& context : host.renderDelegate.GetMaterialRenderContexts())
+    EXPECT_EQ(std::ranges::count(types, context), 1) << context;
+  EXPECT_EQ(std::ranges::count(types, TfToken("glslfx")), 1);
+}
+
 }  // namespace
 }  // namespace hydra_test

@@ -1,13 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the hdWavefront authors
 // Images through Hio are the texels that the Python host makes of the same file (tests/python/test_textures.py).
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <pxr/base/gf/half.h>
 #include <pxr/imaging/hio/image.h>
+#include <pxr/usd/sdf/layer.h>
 
 #include <cmath>
 #include <cstring>
 #include <filesystem>
+#include <fstream>
 
 #include "plugin/hydra/texture_loader.h"
 
@@ -66,6 +69,29 @@ TEST(TextureLoader, EveryByteBecomesTheHalfThatThePythonHostMakesOfIt) {
       EXPECT_EQ(texel[3], GfHalf(1.0f).bits());
     }
   }
+}
+
+// Scene-index mode hands relative patterns over as they are authored.
+TEST(TextureLoader, TilesOfARelativePatternLieBesideALayer) {
+  const auto root = std::filesystem::temp_directory_path() / "hdwavefront_tiles";
+  std::filesystem::remove_all(root);
+  std::vector<SdfLayerRefPtr> layers;
+  for (const char* folder : {"shot", "asset", "other"}) {
+    std::filesystem::create_directories(root / folder / "maps");
+    layers.push_back(SdfLayer::CreateNew((root / folder / "layer.usda").string()));
+    ASSERT_TRUE(layers.back());
+  }
+  const auto anchored = [] { return AnchoredPatterns("./maps/wood.<UDIM>.png"); };
+  const auto pattern = [&](const char* folder) { return (root / folder / "maps" / "wood.<UDIM>.png").string(); };
+  EXPECT_THAT(anchored(), testing::IsEmpty());
+  std::ofstream(root / "asset" / "maps" / "wood.1001.png");
+  EXPECT_THAT(anchored(), testing::ElementsAre(pattern("asset")));
+  std::ofstream(root / "other" / "maps" / "wood.1002.png");
+  EXPECT_THAT(anchored(), testing::ElementsAre(pattern("asset"), pattern("other")));
+  layers.erase(layers.begin() + 1);  // a layer that nobody holds
+  EXPECT_THAT(anchored(), testing::ElementsAre(pattern("other")));
+  layers.clear();
+  std::filesystem::remove_all(root);
 }
 
 }  // namespace
