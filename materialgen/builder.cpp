@@ -149,8 +149,8 @@ Material Builder::Build() {
   Material material;
   material.closureTree = ClosureText(e_, bsdfs_, surface.bsdf);
   material.closure = Linearise(&e_, bsdfs_, surface.bsdf);
-  if (surface.isThinWalled) material.closure.inside = {};
-  material.facts = {material.closure.transmits, surface.isThinWalled};
+  SayMixedInsides(material.closure);
+  material.facts = {material.closure.transmits, material.closure.isThinWalled};
   if (surface.opacity != kNone && !e_.Decide(surface.opacity, 1)) {
     material.opacity = e_.Arithmetic("clamp", {surface.opacity, e_.Number(0), e_.Number(1)});
   }
@@ -165,6 +165,20 @@ Material Builder::Build() {
     }
   }
   return material;
+}
+
+// What cannot be blended is that of the greatest part.
+void Builder::SayMixedInsides(const LinearClosure& closure) {
+  const auto say = [&](const std::string& text) {
+    Say(Severity::Warning, "material-unsupported-feature", network_.surfaceNode, text);
+  };
+  if (closure.mixesWalls) {
+    const std::string kind = closure.isThinWalled ? "thin-walled" : "solid";
+    say("a mix of thin-walled and solid surfaces is as most of what it transmits: " + kind);
+  }
+  if (closure.mixesIndices) {
+    say("a mix of bodies has one index of refraction for what lies inside it: that of the greatest part");
+  }
 }
 
 // What shows where there is nothing right to show.

@@ -27,7 +27,6 @@ struct Surface {
   BsdfId bsdf = kNone;
   Id emission = kNone;  // radiance towards the viewer; kNone: none
   Id opacity = kNone;   // kNone: opaque
-  bool isThinWalled = false;
 };
 
 // Value of an input or output.
@@ -84,6 +83,7 @@ class Builder {
   void SayIgnoredTransmission(const Entry& entry);
   void SayUnconnectedDisplacement(const Entry& entry);
   void SayWorldSpace(Id root);
+  void SayMixedInsides(const LinearClosure& closure);
   void BuildEntry(Entry* entry);
   Port NetworkInput(Entry* entry, const PortDefinition& definition);
   Port AuthoredInput(const materialgen::Node& node, const PortDefinition& definition, const Value& value);

@@ -46,11 +46,13 @@ class Lineariser {
       if (nodes_[id].kind == Bsdf::Kind::Lobe || nodes_[id].kind == Bsdf::Kind::PassThrough) {
         live.push_back(id);
       } else {
-        Distribute(id, &result);
+        Distribute(id);
       }
     }
     std::reverse(live.begin(), live.end());
+    live_.assign(root + 1, false);
     for (BsdfId id : live) AddLobe(id, &result);
+    if (std::count(live_.begin(), live_.end(), true)) FindInside(&e_, nodes_, root, live_, &result);
     FuseInterfaces(&result);
     return result;
   }
@@ -140,6 +142,7 @@ class Lineariser {
       }
       case Bsdf::Kind::Scale:
       case Bsdf::Kind::Volume:
+      case Bsdf::Kind::ThinWall:
         return ThroughputOf(node.first);
     }
     return e_.Number(1);
@@ -154,7 +157,7 @@ class Lineariser {
         weight.transmitted == kNone ? transmitted : e_.Arithmetic("add", {weight.transmitted, transmitted});
   }
 
-  void Distribute(BsdfId id, LinearClosure* result) {
+  void Distribute(BsdfId id) {
     const Bsdf& node = nodes_[id];
     const Weight w = weights_[id];
     switch (node.kind) {
@@ -189,8 +192,7 @@ class Lineariser {
         if (e_.Decide(node.factor, 0)) return;
         return Give(node.first, Multiply(w.other, node.factor), Multiply(w.transmitted, node.factor));
       case Bsdf::Kind::Volume:
-        // The inside of the last one named; two volumes in one material are told apart nowhere in MaterialX.
-        result->inside = node.inside;
+      case Bsdf::Kind::ThinWall:
         return Give(node.first, w.other, w.transmitted);
       default:
         return;
@@ -214,7 +216,7 @@ class Lineariser {
     if (e_.Decide(weight, 0)) return;
     result->transmits = result->transmits || (node.lobe->transmits && !node.lobe->thin);
     result->hasSubsurface = result->hasSubsurface || node.lobe->name == "subsurface";
-    if (node.bodyIor != kNone) result->bodyIor = node.bodyIor;
+    live_[id] = true;
     for (WeightedLobe& lobe : result->lobes) {
       if (lobe.expression != node.expression) continue;
       lobe.weight = e_.Arithmetic("add", {lobe.weight, weight});
@@ -254,6 +256,7 @@ class Lineariser {
   const std::vector<Bsdf>& nodes_;
   std::vector<Weight> weights_;
   std::vector<Id> throughput_;
+  std::vector<bool> live_;  // lobes of some weight
   std::vector<std::vector<Id>> interfaces_;
 };
 

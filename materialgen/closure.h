@@ -28,12 +28,14 @@ struct Vdf {
   Id absorption = kNone, scattering = kNone;  // 1 / scene unit
   Id anisotropy = kNone;                      // mean cosine of Henyey and Greenstein's phase function
 };
+Vdf Sum(Expressions& e, const Vdf& a, const Vdf& b);
+Vdf Scaled(Expressions& e, const Vdf& v, Id factor);
 
 // A node of the closure tree (a DAG: a BSDF may be used twice). Children come before parents.
 struct Bsdf {
-  enum class Kind : uint8_t { Lobe, PassThrough, Layer, Mix, Add, Scale, Volume };
+  enum class Kind : uint8_t { Lobe, PassThrough, Layer, Mix, Add, Scale, Volume, ThinWall };
   Kind kind = Kind::Lobe;
-  BsdfId first = kNone;   // Layer: top; Mix: foreground; Add, Scale, Volume
+  BsdfId first = kNone;   // Layer: top; Mix: foreground; Add, Scale, Volume, ThinWall: of a thin-walled surface
   BsdfId second = kNone;  // Layer: base; Mix: background; Add
   Id factor = kNone;      // Mix: amount; Scale: colour or scalar
   Vdf inside;             // Volume
@@ -60,7 +62,14 @@ struct LinearClosure {
   Id bodyIor = kNone;
   bool transmits = false;           // into a body
   bool hasSubsurface = false;       // some lobe leads to a random walk
+  bool isThinWalled = false;        // most of what is transmitted enters no body
+  bool mixesWalls = false;          // some of it is, some is not
+  bool mixesIndices = false;        // bodies of several indices: bodyIor is that of the greatest part
 };
+
+// inside.cpp: fills in what lies behind the lobes that transmit. `live`: nodes that are lobes of the result.
+void FindInside(Expressions* expressions, const std::vector<Bsdf>& nodes, BsdfId root, const std::vector<bool>& live,
+                LinearClosure* result);
 
 // `root` may be kNone (no BSDF). Lobes whose weight is zero for this material are left out.
 LinearClosure Linearise(Expressions* expressions, const std::vector<Bsdf>& nodes, BsdfId root);

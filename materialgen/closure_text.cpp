@@ -48,6 +48,7 @@ std::string Line(const Expressions& e, const Bsdf& bsdf) {
     case Bsdf::Kind::Add: return "add";
     case Bsdf::Kind::Scale: return "multiply by " + ValueText(e, bsdf.factor);
     case Bsdf::Kind::Volume: return "body below, " + VdfText(e, bsdf.inside);
+    case Bsdf::Kind::ThinWall: return "thin-walled";
   }
   return "?";
 }
@@ -71,7 +72,7 @@ std::string ClosureText(const Expressions& expressions, const std::vector<Bsdf>&
     const Bsdf& bsdf = nodes[id];
     text += Line(expressions, bsdf) + "\n";
     const bool hasTwo = bsdf.kind == Bsdf::Kind::Layer || bsdf.kind == Bsdf::Kind::Mix || bsdf.kind == Bsdf::Kind::Add;
-    const bool hasOne = bsdf.kind == Bsdf::Kind::Scale || bsdf.kind == Bsdf::Kind::Volume;
+    const bool hasOne = !hasTwo && bsdf.kind != Bsdf::Kind::Lobe && bsdf.kind != Bsdf::Kind::PassThrough;
     if (hasTwo) stack.emplace_back(bsdf.second, depth + 1);
     if (hasTwo || hasOne) stack.emplace_back(bsdf.first, depth + 1);
   }

@@ -281,8 +281,14 @@ bool NodeEvaluator::EvaluateSurface(Port* result) {
   const std::string_view category = node_.definition->category;
   Surface surface;
   if (category == "surface") {
-    surface.isThinWalled = IsThinWalled();
     surface.bsdf = In("bsdf");
+    if (surface.bsdf != kNone && IsThinWalled()) {
+      Bsdf wall;
+      wall.kind = Bsdf::Kind::ThinWall;
+      wall.first = surface.bsdf;
+      b_.bsdfs_.push_back(wall);
+      surface.bsdf = BsdfId(b_.bsdfs_.size() - 1);
+    }
     surface.emission = In("edf");
     surface.opacity = In("opacity");
   } else if (category == "surface_unlit") {
@@ -317,7 +323,6 @@ bool NodeEvaluator::EvaluateSurface(Port* result) {
       share = ShareOfPresent(factor, foreground, background, surface.opacity);
     }
     surface.emission = blend(back.emission, front.emission, share);
-    surface.isThinWalled = front.isThinWalled || back.isThinWalled;
     if (front.bsdf != kNone || back.bsdf != kNone) {
       Bsdf mix;
       mix.kind = Bsdf::Kind::Mix;

@@ -7,8 +7,6 @@
 
 namespace materialgen {
 
-namespace {
-
 // Coefficients add up in a mixture; the mean cosine is that of all that scatters.
 Vdf Sum(Expressions& e, const Vdf& a, const Vdf& b) {
   const auto add = [&](Id x, Id y) { return x == kNone ? y : y == kNone ? x : e.Arithmetic("add", {x, y}); };
@@ -33,8 +31,6 @@ Vdf Scaled(Expressions& e, const Vdf& v, Id factor) {
   const auto scale = [&](Id x) { return x == kNone ? x : e.Arithmetic("multiply", {x, factor}); };
   return {scale(v.absorption), scale(v.scattering), v.anisotropy};
 }
-
-}  // namespace
 
 bool NodeEvaluator::AddVdf(Port* result, const Vdf& vdf) {
   b_.vdfs_.push_back(vdf);

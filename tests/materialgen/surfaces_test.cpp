@@ -142,6 +142,97 @@ TEST(MaterialGen, ThinWalledSurfacesDoNotRefract) {
   ExpectCompiles(open.material, "OpenPBR thin wall");
 }
 
+namespace mixed {
+
+using Values = std::map<std::string, Value>;
+
+// `mix` of `front`, the rest `back`: standard_surfaces that are all glass unless they say otherwise.
+MaterialNetwork Glasses(Values front, Values back, float mix) {
+  MaterialNetwork network;
+  network.path = "/Looks/m";
+  front.emplace("transmission", 1.0f);
+  back.emplace("transmission", 1.0f);
+  network.nodes = {{"/Looks/m/mix", "ND_mix_surfaceshader", {{"mix", mix}}},
+                   {"/Looks/m/front", "ND_standard_surface_surfaceshader", std::move(front)},
+                   {"/Looks/m/back", "ND_standard_surface_surfaceshader", std::move(back)}};
+  network.connections = {{"/Looks/m/front", "out", "/Looks/m/mix", "fg"}, {"/Looks/m/back", "out", "/Looks/m/mix", "bg"}};
+  network.surfaceNode = "/Looks/m/mix";
+  network.surfaceOutput = "out";
+  return network;
+}
+
+void ExpectAbsorption(const Result& result, std::array<float, 3> expected) {
+  ExpectCompiles(result.material, "mixed glass");
+  ASSERT_GE(result.material.parameters.size(), 8u);
+  for (size_t i = 0; i < 3; ++i) EXPECT_NEAR(result.material.parameters[i], expected[i], 1e-5f) << i;
+}
+
+const Values kGreen = {{"transmission_depth", 1.0f}, {"transmission_color", Color{0.1f, 0.9f, 0.1f}}};
+const Values kRed = {{"transmission_depth", 2.0f}, {"transmission_color", Color{0.9f, 0.1f, 0.2f}}};
+
+}  // namespace mixed
+
+// The inside of a mix of bodies is their media, by what each lets in; what lets nothing in dilutes nothing.
+TEST(MaterialGen, MixedBodiesHoldTheMixOfTheirMedia) {
+  using namespace mixed;
+  const std::array<float, 3> green = {std::log(10.0f), -std::log(0.9f), std::log(10.0f)};
+  const std::array<float, 3> red = {-std::log(0.9f) / 2, std::log(10.0f) / 2, std::log(5.0f) / 2};
+  const auto blend = [&](float g, float r) {
+    return std::array{g * green[0] + r * red[0], g * green[1] + r * red[1], g * green[2] + r * red[2]};
+  };
+  const Result most = RunNetwork(Glasses(kGreen, kRed, 0.1f)), least = RunNetwork(Glasses(kGreen, kRed, 0.7f));
+  ExpectAbsorption(most, blend(0.1f, 0.9f));
+  ExpectAbsorption(least, blend(0.7f, 0.3f));
+  EXPECT_EQ(most.material.kernel, least.material.kernel) << "an edited factor compiles nothing";
+  EXPECT_TRUE(most.messages.empty());
+  ExpectAbsorption(RunNetwork(Glasses(kGreen, kRed, 1)), green);
+  ExpectAbsorption(RunNetwork(Glasses({}, kRed, 0.5f)), blend(0, 0.5f));
+  ExpectAbsorption(RunNetwork(Glasses({{"transmission", 0.0f}}, kRed, 0.5f)), red);
+
+  MaterialNetwork masked = Glasses(kGreen, kRed, 0.5f);
+  masked.nodes.push_back({"/Looks/m/mask", "UsdPrimvarReader_float", {{"varname", std::string("mask")}}});
+  masked.connections.push_back({"/Looks/m/mask", "result", "/Looks/m/mix", "mix"});
+  const Result varying = RunNetwork(masked);
+  ExpectCompiles(varying.material, "masked glass");
+  EXPECT_NE(varying.material.kernel->surface.find("c.interior = Medium("), std::string::npos);
+}
+
+// One body has one index, and either an inside or none: those of the greatest part, which is said once.
+TEST(MaterialGen, WhatNoMixHasIsThatOfItsGreatestPart) {
+  using namespace mixed;
+  const auto said = [](const Result& result, const std::string& text) {
+    return std::count_if(result.messages.begin(), result.messages.end(), [&](const Message& m) {
+      return m.code == "material-unsupported-feature" && m.location == "/Looks/m/mix" &&
+             m.text.find(text) != std::string::npos;
+    });
+  };
+  for (const float mix : {0.1f, 0.9f}) {
+    const Result result = RunNetwork(Glasses({{"specular_IOR", 1.3f}}, {{"specular_IOR", 1.7f}}, mix));
+    ASSERT_GE(result.material.parameters.size(), 8u);
+    EXPECT_EQ(result.material.parameters[7], mix < 0.5f ? 1.7f : 1.3f);
+    EXPECT_EQ(said(result, "index of refraction"), 1);
+    EXPECT_EQ(result.messages.size(), 1u);
+  }
+  const Result solid = RunNetwork(Glasses({{"thin_walled", true}}, kGreen, 0.1f));
+  const Result thin = RunNetwork(Glasses({{"thin_walled", true}}, kGreen, 0.9f));
+  const auto isBody = [](const Result& result) {
+    return result.material.kernel->surface.find("kHasTransmission = true") != std::string::npos;
+  };
+  EXPECT_TRUE(isBody(solid));
+  EXPECT_FALSE(isBody(thin));
+  ExpectAbsorption(solid, {0.9f * std::log(10.0f), -0.9f * std::log(0.9f), 0.9f * std::log(10.0f)});
+  ExpectCompiles(thin.material, "thin mix");
+  EXPECT_EQ(said(solid, ": solid"), 1);
+  EXPECT_EQ(said(thin, ": thin-walled"), 1);
+  EXPECT_EQ(solid.messages.size() + thin.messages.size(), 2u);
+
+  // What transmits nothing has no say.
+  const Result pane = RunNetwork(Glasses({{"thin_walled", true}}, {{"transmission", 0.0f}}, 0.1f));
+  EXPECT_FALSE(isBody(pane));
+  EXPECT_EQ(std::count(pane.material.kernel->lobes.begin(), pane.material.kernel->lobes.end(), "thin_transmission"), 1);
+  EXPECT_TRUE(pane.messages.empty());
+}
+
 // Hair: the nodes that feed the lobe are numbers by the time the kernel is made.
 TEST(MaterialGen, HairIsALobeAndItsInputsAreFolded) {
   MaterialNetwork network;
