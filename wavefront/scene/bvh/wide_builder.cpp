@@ -132,10 +132,12 @@ class Builder {
     const Range root = WholeRange(0, count);
     std::vector<BvhNode4> nodes;
     nodes.reserve(count / 2 / settings_.maxLeafItems + 16);
-    BuildNode(root, settings_.maxDepth, nodes, true);
+    nodes.emplace_back();
+    BuildNode(root, settings_.maxDepth, 0, nodes, true);
     std::vector<std::vector<BvhNode4>> parts(tasks_.size());
     ParallelFor(tasks_.size(), settings_.threads, [&](size_t i) {
-      BuildNode(tasks_[i].range, tasks_[i].depthLeft, parts[i], false);
+      parts[i].emplace_back();
+      BuildNode(tasks_[i].range, tasks_[i].depthLeft, 0, parts[i], false);
     });
     Append(nodes, parts);
     return nodes;
@@ -157,14 +159,15 @@ class Builder {
     return range;
   }
 
-  // Makes the node over `range` and all below it; returns its index in `nodes`. In the top part of the tree,
-  // large ranges are split by all threads and small ones are left as tasks.
-  uint32_t BuildNode(const Range& range, uint32_t depthLeft, std::vector<BvhNode4>& nodes, bool isTop) {
-    const uint32_t index = static_cast<uint32_t>(nodes.size());
-    nodes.emplace_back();
+  // Makes the node over `range`, which has its place, and all below it. In the top part of the tree, large ranges are
+  // split by all threads and small ones are left as tasks. Siblings stand side by side: rays that visit one often visit
+  // the next, and meet fewer pages.
+  void BuildNode(const Range& range, uint32_t depthLeft, uint32_t index, std::vector<BvhNode4>& nodes, bool isTop) {
     std::array<Range, 4> parts;
     const uint32_t partCount = Divide(range, depthLeft, parts);
     BvhNode4 node = MakeNode(parts, partCount);
+    std::array<uint32_t, 4> below{};
+    uint32_t belowCount = 0;
     for (uint32_t i = 0; i < partCount; ++i) {
       if (parts[i].isLeaf) {
         node.children[i] = LeafReference(parts[i]);
@@ -172,11 +175,15 @@ class Builder {
         node.children[i] = kTaskReference | static_cast<uint32_t>(tasks_.size());
         tasks_.push_back({parts[i], depthLeft - 1});
       } else {
-        node.children[i] = BuildNode(parts[i], depthLeft - 1, nodes, isTop);
+        node.children[i] = static_cast<uint32_t>(nodes.size());
+        nodes.emplace_back();
+        below[belowCount++] = i;
       }
     }
     nodes[index] = node;
-    return index;
+    for (uint32_t k = 0; k < belowCount; ++k) {
+      BuildNode(parts[below[k]], depthLeft - 1, node.children[below[k]], nodes, isTop);
+    }
   }
 
   uint32_t LeafReference(const Range& range) const {
