@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright the hdWavefront authors
-"""Closures that materialgen makes of layer, mix, add and multiply, against quadrature of MaterialX's own formula.
+"""Closures that materialgen makes of layer, mix, add and multiply, against quadrature of MaterialX's own formula; and
+whole white surfaces, which give no more than they get.
 
 The kernel is the renderer's own, head and tail apart: closureMake, then closureEval towards a grid of directions. The
 reference (closure_reference.py) knows none of our fits and tables.
@@ -16,6 +17,7 @@ import pytest
 from kernels.bsdf_harness import lobe_table
 from kernels.core_harness import call
 from node_harness import Network, material
+from scipy.stats import qmc, t
 
 VIEWS = (5.0, 40.0, 65.0, 80.0)  # degrees
 ROWS = 64
@@ -112,18 +114,21 @@ MAIN = """void main() {
   gEdge2World = vec3(0.0, 1.0, 0.0);
   Closure c;
   closureMake(sp, c);
-  vec3 below = vec3(0.0);
-  outputs[i] = closureEval(c, sp.wo, inputs[2u * i + 1u].xyz, below);
+  vec3 below = vec3(0.0), given = inputs[2u * i + 1u].xyz;
+  vec3 wi = SAMPLES ? closureSample(c, sp.wo, given.z, given.xy) : given;
+  vec4 value = closureEval(c, sp.wo, wi, below);
+  outputs[i] = SAMPLES ? vec4(value.a > 0.0 ? value.rgb / value.a : vec3(0.0), 0.0) : value;
 }"""
 
 
-def evaluate(runner: Any, made: dict[str, Any], wo: np.ndarray, wi: np.ndarray) -> np.ndarray:
-    """closureEval's colour of a material, for each wo towards all wi: (views, directions, 3)."""
+def run(runner: Any, made: dict[str, Any], wo: np.ndarray, given: np.ndarray, samples: bool = False) -> np.ndarray:
+    """For each wo (views, 3) and what is given to it (views, n, 3): closureEval's colour towards that direction, or
+    the weight of the direction that closureSample makes of these numbers."""
     assert not made["messages"], made["messages"]
     lines = made["surface"].splitlines()[2:]  # the test has a head and a main of its own
     body = "\n".join(line for line in lines if not line.startswith('#include "material/'))
-    rows = np.zeros((len(wo), len(wi), 8), np.float32)
-    rows[:, :, :3], rows[:, :, 4:7] = wo[:, None], wi[None]
+    rows = np.zeros((*given.shape[:2], 8), np.float32)
+    rows[:, :, :3], rows[:, :, 4:7] = wo[:, None], given
     names = ["frame", "frame_values", "shading_point", "geometry", "textures", "media", "bsdf/subsurface"]
     includes = [f"lib/{name}.glsl" for name in names]
     tables = {
@@ -133,8 +138,9 @@ def evaluate(runner: Any, made: dict[str, Any], wo: np.ndarray, wi: np.ndarray) 
         "instanceRecords": np.zeros((9, 4), np.float32),
         "meshRecords": np.full(8, 0xFFFFFFFF, np.uint32),
     }
-    out = call(runner, includes, body + MAIN, rows.reshape(-1, 8), 1, tables)
-    return out.reshape(len(wo), len(wi), 4)[..., :3].astype(float)
+    main = f"const bool SAMPLES = {'true' if samples else 'false'};\n" + MAIN
+    out = call(runner, includes, body + main, rows.reshape(-1, 8), 1, tables)
+    return out.reshape(*given.shape[:2], 4)[..., :3].astype(float)
 
 
 def views() -> np.ndarray:
@@ -144,7 +150,7 @@ def views() -> np.ndarray:
 
 def compare(runner: Any, made: dict[str, Any], expected: ref.Bsdf) -> None:
     wi, _ = ref.hemisphere(ROWS)
-    ours = evaluate(runner, made, views(), wi)
+    ours = run(runner, made, views(), np.broadcast_to(wi, (len(VIEWS), *wi.shape)))
     theirs = np.stack([expected.value(wo, wi) for wo in views()])
     albedo, right = ours.sum(1), theirs.sum(1)
     print(np.array2string(albedo / right, precision=4))
@@ -175,3 +181,38 @@ def test_standard_surface_is_its_layers(kernel_runner):
     attenuation = tuple(float(1 + 0.7 * (c - 1)) for c in values["coat_color"])
     whole = ref.Layer(ref.Dielectric(0.45**2, 0.7, ior=1.6), ref.Multiply(body, attenuation))
     compare(kernel_runner, material(graph), whole)
+
+
+STANDARD, OPEN = "ND_standard_surface_surfaceshader", "ND_open_pbr_surface_surfaceshader"
+WHITE_STANDARD = {"base": 1.0, "base_color": WHITE, "specular": 1.0, "sheen_color": WHITE}
+WHITE_OPEN = {"base_color": WHITE, "fuzz_color": WHITE, "coat_color": WHITE}
+WHITES: dict[str, tuple[str, dict[str, Any]]] = {
+    "standard_surface": (STANDARD, {}),
+    "mirror-like": (STANDARD, {"specular_roughness": 0.0, "specular_IOR": 2.0}),
+    "rough": (STANDARD, {"specular_roughness": 1.0}),
+    "coated": (STANDARD, {"coat": 1.0, "coat_roughness": 0.6, "specular_roughness": 0.8}),
+    "velvet": (STANDARD, {"sheen": 1.0, "sheen_roughness": 0.3}),
+    "metal": (STANDARD, {"metalness": 1.0, "specular_roughness": 0.9}),
+    "OpenPBR": (OPEN, {}),
+    "rough OpenPBR": (OPEN, {"specular_roughness": 1.0, "base_diffuse_roughness": 1.0}),
+    "coated OpenPBR": (OPEN, {"coat_weight": 1.0, "coat_roughness": 0.6, "specular_ior": 2.0}),
+    "fuzzy OpenPBR": (OPEN, {"fuzz_weight": 1.0, "fuzz_roughness": 0.4}),
+    "metallic OpenPBR": (OPEN, {"base_metalness": 1.0, "specular_roughness": 0.9}),
+}
+
+
+@pytest.mark.parametrize("name", WHITES)
+def test_white_gives_no_more_than_it_gets(kernel_runner, name):
+    """Directional albedo of at most 1.005 at 95 % confidence: Student's t, one-sided, of 16 scrambled sequences."""
+    node, values = WHITES[name]
+    graph = Graph()
+    graph.add("/surface", node, (WHITE_STANDARD if node == STANDARD else WHITE_OPEN) | values)
+    sequences = 16
+    numbers = np.concatenate([qmc.Sobol(3, seed=k).random_base2(11) for k in range(sequences)]) * (1 - 1e-7)
+    given = np.broadcast_to(numbers, (len(VIEWS), *numbers.shape))
+    weights = run(kernel_runner, material(graph), views(), given, samples=True)
+    means = weights.reshape(len(VIEWS), sequences, -1, 3).mean(2)
+    mean, error = means.mean(1), means.std(1, ddof=1) / sequences**0.5
+    print(np.array2string(mean.max(1), precision=4), np.array2string(error.max(1), precision=4))
+    assert (mean + t.ppf(0.95, sequences - 1) * error <= 1.005).all(), f"{mean} +- {error}"
+    assert mean.min() > 0.9, "that is not white"
