@@ -344,7 +344,7 @@ def limited(order: str, commits: list[tuple[int, int]], gone: int = 0):
     """(size by name, what the diagnostics say, tables)"""
     from _kernel_runner import scene_tables
 
-    kinds = [(BIG[n].shape[1], BIG[n].shape[0], "rgba16f" if n == "c" else "rgba8", BIG[n].tobytes()) for n in order]
+    kinds = [(BIG[n].shape[1], BIG[n].shape[0], "rgba16f" if n in "cd" else "rgba8", BIG[n].tobytes()) for n in order]
     tables = scene_tables([], kinds, [], 1.0, names=list(order), commits=commits, gone=gone)
     said = [(where, int(text.split()[-1])) for _, where, text in tables["diagnostics"]]
     sizes = np.frombuffer(tables["textureRecords"], np.uint32).reshape(-1, 4)[: len(order), :2].tolist()
@@ -389,7 +389,7 @@ def test_textures_on_the_device_make_room_for_those_that_come_later(kernel_runne
 
 
 def test_holes_in_the_pool_are_closed_before_it_passes_the_limit(kernel_runner):
-    """Texture a leaves 86 blocks free below b; c and the first d fit there, the second d only if b moves."""
+    """Texture a leaves 86 blocks free below b. Of c and two d, 44 each, one fits there; all three only if b moves."""
     BIG["d"] = image(256, 256, "rgba16f", 4)
     got, said, tables = limited("abcdd", [(2, 0), (5, 220 * BLOCK)], gone=1)
     assert said == [] and got["b"] == [512, 512]
