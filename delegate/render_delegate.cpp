@@ -192,6 +192,10 @@ void RenderDelegate::DestroySprim(const std::string& path) {
 
 void RenderDelegate::DestroyInstancer(const std::string& path) { impl_->instancers.Destroy(path); }
 
+void RenderDelegate::SetUnconvertedColorSpaces(const std::vector<std::string>& names) {
+  impl_->textures.SetUnconvertedSpaces(names);
+}
+
 std::vector<TextureLoadRequest> RenderDelegate::PendingTextures() {
   impl_->materials.Generate();
   impl_->lights.AcquireTextures();

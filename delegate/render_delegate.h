@@ -93,7 +93,8 @@ class RenderDelegate {
   void DestroySprim(const std::string& path);       // light, camera and material of that path
   void DestroyInstancer(const std::string& path);
 
-  // --- Textures. Generates dirty materials first.
+  // --- Textures. PendingTextures generates dirty materials first. SetUnconvertedColorSpaces: TextureTable's, before it.
+  void SetUnconvertedColorSpaces(const std::vector<std::string>& names);
   std::vector<TextureLoadRequest> PendingTextures();
   wavefront::Status SetTexture(uint32_t key, wavefront::TextureData data);
   wavefront::Status SetTextureTiles(uint32_t key, std::vector<std::pair<uint32_t, wavefront::TextureData>> tiles);

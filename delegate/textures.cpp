@@ -2,9 +2,20 @@
 // Copyright the hdWavefront authors
 #include "delegate/textures.h"
 
+#include <algorithm>
+#include <cctype>
+
 #include "wavefront/base/check.h"
 
 namespace delegate {
+namespace {
+
+std::string Lower(std::string text) {
+  std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return std::tolower(c); });
+  return text;
+}
+
+}  // namespace
 
 TextureTable::TextureTable(wavefront::Renderer& renderer, wavefront::DiagnosticSink sink)
     : renderer_(renderer), sink_(std::move(sink)) {}
@@ -16,9 +27,27 @@ void TextureTable::ReportMissing(const Entry& entry, const std::string& location
          "The texture \"" + file + "\" cannot be used: " + entry.reason + " The fallback value is shown."});
 }
 
-uint32_t TextureTable::Acquire(const TextureKey& texture, const std::string& authoredPath,
-                               const std::string& location) {
+void TextureTable::SetUnconvertedSpaces(const std::vector<std::string>& names) {
+  std::lock_guard lock(mutex_);
+  unconverted_ = {"raw"};
+  for (const std::string& name : names) unconverted_.insert(Lower(name));
+}
+
+// One key for all that give the same texels whatever is in the file.
+TextureKey TextureTable::Unified(TextureKey texture) const {
+  const std::string space = Lower(texture.colorSpace);
+  if (!texture.isColor || unconverted_.count(space)) {
+    texture.colorSpace = "raw";
+    texture.isColor = false;
+  } else if (space == "auto") {
+    texture.colorSpace.clear();
+  }
+  return texture;
+}
+
+uint32_t TextureTable::Acquire(const TextureKey& asked, const std::string& authoredPath, const std::string& location) {
   std::unique_lock lock(mutex_);
+  const TextureKey texture = Unified(asked);
   auto [known, isNew] = keys_.try_emplace(texture, nextKey_);
   if (isNew) {
     Entry& entry = entries_[nextKey_];

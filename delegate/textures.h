@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the hdWavefront authors
-// Images that materials and lights ask for. The host decodes each once; the core holds it as long as it is asked for.
+// Images that materials and lights ask for. The host loads each once for each colour space that converts its
+// values; the core holds it as long as it is asked for.
 #pragma once
 
 #include <compare>
 #include <cstdint>
 #include <map>
 #include <mutex>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -19,7 +21,8 @@ namespace delegate {
 struct TextureKey {
   std::string resolvedPath;  // empty: the host's resolver found nothing; then authoredPath tells them apart
   std::string authoredPath;  // only where resolvedPath is empty
-  std::string colorSpace;    // "raw", "sRGB", "auto", a colour space's name, or empty: the file decides
+  // "raw": numbers as they are; "sRGB", or another colour space's name; empty ("auto" of whom acquires): the file decides.
+  std::string colorSpace;
   bool isColor = true;       // false: data, never colour-managed
   auto operator<=>(const TextureKey&) const = default;
 };
@@ -38,8 +41,11 @@ class TextureTable {
   // Both must outlive the table.
   TextureTable(wavefront::Renderer& renderer, wavefront::DiagnosticSink sink);
 
+  // Colour spaces from which the host converts nothing, whatever the case of their letters: "raw", and the names of the
+  // rendering space. Images that are asked for in any of them, or as data, are one. To be set before the first Acquire.
+  void SetUnconvertedSpaces(const std::vector<std::string>& names);
   // One more user, named for diagnostics. Returns the key; the image is pending until the host answers.
-  uint32_t Acquire(const TextureKey& texture, const std::string& authoredPath, const std::string& location);
+  uint32_t Acquire(const TextureKey& asked, const std::string& authoredPath, const std::string& location);
   void Release(uint32_t key);
 
   // Used, and neither loaded nor missing; sorted by texture key. Images without a resolved path are never pending: they
@@ -65,12 +71,14 @@ class TextureTable {
     bool missing = false;
     std::string reason;
   };
+  TextureKey Unified(TextureKey texture) const;
   void Drop(Entry& entry);  // what the core holds of it
   void ReportMissing(const Entry& entry, const std::string& location) const;
 
   mutable std::mutex mutex_;
   wavefront::Renderer& renderer_;
   wavefront::DiagnosticSink sink_;
+  std::set<std::string> unconverted_{"raw"};  // small letters
   std::map<TextureKey, uint32_t> keys_;
   std::map<uint32_t, Entry> entries_;
   uint32_t nextKey_ = 1;

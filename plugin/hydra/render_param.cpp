@@ -13,7 +13,9 @@
 namespace hydra {
 
 RenderParam::RenderParam(std::unique_ptr<delegate::RenderDelegate> core)
-    : core_(std::move(core)), loadTexture_(LoadTexture), snapshot_(*core_) {}
+    : core_(std::move(core)), loadTexture_(LoadTexture), snapshot_(*core_) {
+  core_->SetUnconvertedColorSpaces(UnconvertedSpaces());
+}
 
 int32_t RenderParam::PrototypeId(const SdfPath& prototype) {
   std::lock_guard lock(instancesMutex_);

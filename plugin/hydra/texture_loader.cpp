@@ -33,10 +33,12 @@ std::string Lower(std::string text) {
 
 // The colour spaces that need no colour library, by the names of USD, OpenColorIO's configurations and MaterialX. The
 // rendering space is linear Rec. 709.
+constexpr const char* kAsIs[] = {"raw", "data", "none", "linear", "identity", "lin_rec709", "lin_rec709_scene", "lin_srgb",
+                                 "linear rec.709 (srgb)", "scene_linear"};
+
 Encoding EncodingOf(const std::string& colorSpace) {
   const std::string name = Lower(colorSpace);
-  for (const char* known : {"raw", "data", "none", "linear", "identity", "lin_rec709", "lin_rec709_scene",
-                            "lin_srgb", "linear rec.709 (srgb)", "scene_linear"})
+  for (const char* known : kAsIs)
     if (name == known) return Encoding::AsIs;
   for (const char* known : {"srgb", "srgb_texture", "srgb_rec709_scene", "srgb - texture", "srgb_tx"})
     if (name == known) return Encoding::Srgb;
@@ -194,6 +196,8 @@ wavefront::TextureData Convert(const std::string& name, const HioImage::StorageS
 }
 
 }  // namespace
+
+std::vector<std::string> UnconvertedSpaces() { return {std::begin(kAsIs), std::end(kAsIs)}; }
 
 wavefront::Result<wavefront::TextureData> LoadTexture(const delegate::TextureKey& texture) {
   const std::string& path = texture.resolvedPath;

@@ -64,6 +64,46 @@ TEST(Textures, EachImageIsAskedForOnce) {
   EXPECT_EQ(f.delegate->counters().texturesUploaded, 3u);
 }
 
+// What needs no conversion is one image, however it is asked for; what the file decides is another.
+TEST(Textures, ColourSpacesThatConvertNothingAreOne) {
+  Fixture f;
+  f.delegate->SetUnconvertedColorSpaces({"Lin_Rec709", "data"});
+  int count = 0;
+  std::vector<std::string> paths;
+  const auto ask = [&](const std::string& space, bool isColor) {
+    paths.push_back("/m" + std::to_string(count++));
+    auto network = Network(paths.back(), "surface", 0, "/wood.png");
+    network.nodes[1].parameters["file"] = materialgen::AssetValue{"wood.png", "/wood.png", isColor ? space : ""};
+    if (!isColor) network.nodes[1].parameters["sourceColorSpace"] = space;
+    f.delegate->Sync(paths.back(), Universal(network));
+  };
+  for (const char* space : {"", "auto", "raw", "RAW", "data", "lin_rec709", "acescg", "sRGB"}) {
+    ask(space, true);
+    ask(space, false);
+  }
+  const auto pending = f.delegate->PendingTextures();
+  std::vector<std::string> spaces;
+  for (const auto& request : pending) {
+    spaces.push_back(request.texture.colorSpace);
+    EXPECT_EQ(request.texture.isColor, spaces.back() != "raw");
+    ASSERT_TRUE(f.delegate->SetTexture(request.key, Texel()).ok());
+  }
+  EXPECT_EQ(spaces, (std::vector<std::string>{"", "acescg", "raw", "sRGB"}));
+  f.Commit();
+  EXPECT_EQ(f.renderer->textures.size(), 4u);
+
+  // Users are counted together: the image stays until the last of them is gone.
+  const auto gone = [&](size_t from, size_t to) {
+    for (size_t i = from; i < to; ++i) f.delegate->DestroySprim(paths[i]);
+    f.Commit();
+    return f.renderer->textures.size();
+  };
+  EXPECT_EQ(gone(4, 11), 4u);  // /m11 is left of those that convert nothing
+  EXPECT_EQ(gone(11, 12), 3u);
+  EXPECT_EQ(gone(0, 4), 2u);
+  EXPECT_EQ(gone(12, 16), 0u);
+}
+
 TEST(Textures, TilesOfAPatternAreOneTexture) {
   Fixture f;
   f.delegate->Sync("/a", Universal(Network("/a", "surface", 0, "/t.<UDIM>.png")));

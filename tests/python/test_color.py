@@ -196,6 +196,16 @@ def test_a_space_that_is_the_rendering_space_costs_nothing():
     assert ColorManager().to_rendering("lin_rec709_scene") is None and ColorManager().to_rendering("sRGB") is not None
 
 
+@pytest.mark.parametrize("space", ["lin_rec709", "ACEScg"])
+def test_names_that_convert_nothing(space, small_config):
+    for colors in (ColorManager(rendering_space=space), ColorManager(small_config)):
+        names = colors.unconverted_names()
+        assert all(colors.to_rendering(name) is None for name in names)
+        assert {"raw", "data", colors.rendering_space} <= set(names) and "srgb" not in names
+    names = ColorManager(rendering_space=space).unconverted_names()
+    assert ("lin_rec709_scene" in names, "lin_ap1" in names) == (space == "lin_rec709", space == "ACEScg")
+
+
 def test_a_configuration_without_displays():
     colors = ColorManager()
     colors._config = SimpleNamespace(getDisplays=lambda: [])

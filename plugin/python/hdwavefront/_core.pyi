@@ -246,8 +246,11 @@ class RenderDelegate:
         """Removes the light, camera or material of that path."""
 
     # -- Textures: after all syncs, before commit.
+    def set_unconverted_color_spaces(self, names: list[str]) -> None:
+        """Colour spaces whose texels set_texture gets as the file has them. Before pending_textures: what is asked for
+        in any of these, or as data, is one image."""
     def pending_textures(self) -> list[TextureRequest]:
-        """Generates dirty materials and says which images are not loaded yet; each image once, sorted by path."""
+        """Generates dirty materials and says which images are not loaded yet; each once a colour space, by path."""
     def set_texture(self, key: int, pixels: Array, *, bottom_up: bool = False) -> None:
         """pixels: (height, width, 4), uint8 (0..255), uint16 (0..65535), float16 or float32, in the rendering colour
         space; row 0 at the top."""

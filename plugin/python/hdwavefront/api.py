@@ -134,6 +134,7 @@ class Render:
         from .scene_sync import TrackingSink
 
         self.delegate = delegate if delegate is not None else create_delegate(device=device)
+        self.delegate.set_unconverted_color_spaces(self.colors.unconverted_names())
         self._sink = TrackingSink(self.delegate)
         self._seen_diagnostics = 0
         self.camera = ""

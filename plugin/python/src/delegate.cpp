@@ -111,6 +111,7 @@ void BindDelegate(nb::module_& module) {
            "render_tags"_a = none, "aovs"_a = none);
   type.def("set_setting", &SetSetting, "token"_a, "value"_a);
   type.def("setting", &GetSetting, "token"_a);
+  type.def("set_unconverted_color_spaces", &RenderDelegate::SetUnconvertedColorSpaces, "names"_a);
   type.def("pending_textures", &RenderDelegate::PendingTextures, nb::call_guard<nb::gil_scoped_release>());
   type.def("set_texture", &SetTexture, "key"_a, "pixels"_a, nb::kw_only(), "bottom_up"_a = false);
   type.def("set_texture_tiles", &SetTextureTiles, "key"_a, "numbers"_a, "pixels"_a);

@@ -118,6 +118,12 @@ class ColorManager:
         """An OCIO CPU processor from `source`; None where nothing is to be done. LookupError: unknown space."""
         return self._cpu(source, self.rendering_space)
 
+    def unconverted_names(self) -> list[str]:
+        """Names of the rendering space and of data that are in use: `to_rendering` has nothing to do for them."""
+        config, canonical = here = self._find(self.rendering_space)
+        names = {*_ALIASES, self.rendering_space, canonical, *config.getColorSpace(canonical).getAliases()}
+        return sorted(_DATA_NAMES | {n for n in names if self.knows(n) and self._find(n) == here})
+
     def _cpu(self, source: str, target: str) -> Any | None:
         key = (source, target)
         if key not in self._processors:
