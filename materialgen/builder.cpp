@@ -294,6 +294,12 @@ Port Builder::AuthoredInput(const materialgen::Node& node, const PortDefinition&
     const bool isTopology = want == Type::Int || want == Type::Bool || !IsVector(want);
     if (have == want)
       return {want, isTopology ? e_.Literal(want, numbers) : e_.Parameter(want, numbers, node.path, definition.name)};
+    if (IsVector(have) && IsVector(want) && Components(have) > Components(want)) {
+      const std::string given = std::to_string(Components(have)), used = std::to_string(Components(want));
+      Say(Severity::Warning, "material-type-mismatch", node.path,
+          "the value of input '" + definition.name + "' has " + given + " components; of them " + used +
+              (used == "1" ? " is used" : " are used"));
+    }
     if (isTopology || !IsVector(have)) return Fit({have, e_.Literal(have, numbers)}, definition, &node);
     if (Components(have) == 1) {
       const Id scalar = e_.Parameter(Type::Float, numbers, node.path, definition.name);

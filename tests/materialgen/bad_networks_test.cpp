@@ -58,6 +58,20 @@ TEST(MaterialGen, MalformedNetworks) {
   for (float value : bad.material.parameters) EXPECT_TRUE(std::isfinite(value));
 }
 
+// A colour where a number is wanted: its first component is taken, and that is said; so are fewer components for more.
+TEST(MaterialGen, ValuesWithTooManyComponentsAreSaid) {
+  using Float2 = std::array<float, 2>;
+  const auto said = [](std::map<std::string, Value> parameters) { return RunNetwork(Standard(std::move(parameters))); };
+  const Result result = said({{"metalness", Color{0.2f, 0.4f, 0.6f}}});
+  ASSERT_EQ(result.messages.size(), 1u);
+  EXPECT_EQ(result.messages[0].code, "material-type-mismatch");
+  EXPECT_EQ(result.messages[0].location, "/Looks/m/surface");
+  EXPECT_NE(result.messages[0].text.find("metalness"), std::string::npos);
+  EXPECT_TRUE(said({{"thin_walled", Float2{1, 0}}}).Has("material-type-mismatch"));
+  EXPECT_TRUE(said({{"base_color", std::array<float, 4>{1, 1, 1, 1}}}).Has("material-type-mismatch"));
+  EXPECT_TRUE(said({{"metalness", int32_t{1}}, {"base_color", 0.5f}, {"thin_walled", 1.0f}}).messages.empty());
+}
+
 TEST(MaterialGen, Cycles) {
   MaterialNetwork network = Preview();
   network.nodes.push_back({"/a", "ND_add_color3", {}});
