@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <limits>
 
 namespace wavefront {
@@ -36,6 +37,36 @@ TEST(RayCaster, FindsTheNearestTriangleInTheMeshsOrder) {
   EXPECT_EQ(hits.value()[1].triangle, 1u);
   EXPECT_EQ(hits.value()[1].t, 0.5f);
   EXPECT_EQ(hits.value()[2].triangle, kNoTriangle);
+}
+
+TEST(RayCaster, RaysOfNoLengthEndAtOnceWhateverTheSignOfZero) {
+  // More triangles than a ray has steps, all of them behind the ray.
+  std::vector<Float3> points;
+  std::vector<UInt3> triangles;
+  constexpr uint32_t kSide = 80;
+  for (uint32_t y = 0; y <= kSide; ++y) {
+    for (uint32_t x = 0; x <= kSide; ++x) points.push_back({static_cast<float>(x), static_cast<float>(y), static_cast<float>((x * y) % 3)});
+  }
+  for (uint32_t y = 0; y < kSide; ++y) {
+    for (uint32_t x = 0; x < kSide; ++x) {
+      const uint32_t i = y * (kSide + 1) + x;
+      triangles.push_back({i, i + 1, i + kSide + 1});
+      triangles.push_back({i + 1, i + kSide + 2, i + kSide + 1});
+    }
+  }
+  auto caster = RayCaster::Create("", points, triangles);
+  ASSERT_TRUE(caster) << caster.error().message;
+  const std::vector<CasterRay> rays = {{{200, 200, 200}, 0.0f, {0.6f, 0.64f, 0.48f}, -0.0f},
+                                       {{200, 200, 200}, -0.0f, {0.6f, 0.64f, 0.48f}, 0.0f},
+                                       {{200, 200, 200}, -1.0f, {0.6f, 0.64f, 0.48f}, -0.5f}};
+  ASSERT_TRUE(caster.value()->SetRays(rays).ok());
+  ASSERT_TRUE(caster.value()->Cast().ok());
+  auto hits = caster.value()->Hits();
+  ASSERT_TRUE(hits) << hits.error().message;
+  for (const CasterHit& hit : hits.value()) {
+    EXPECT_EQ(hit.triangle, kNoTriangle);
+    EXPECT_FALSE(std::isnan(hit.t)) << "the ray took too many steps";
+  }
 }
 
 }  // namespace

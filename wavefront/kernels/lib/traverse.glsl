@@ -134,15 +134,17 @@ uint stepDown(uint node, BoxRay ray, float tMin, float tMax, const bool ordered,
   uvec3 near = mix(low, high, backwards);
   uvec3 far = mix(high, low, backwards);
   // As integers, whose minimum and maximum are one instruction; those of floats ask for NaNs. tMin is not negative:
-  // the maximum is right, and a minimum of several negative numbers is one of them. A NaN counts as met.
+  // the maximum is right, and a minimum of several negative numbers is one of them. A NaN counts as met. The ends lose
+  // their sign: -0, which a flight of no length gives, would be less than all other numbers.
+  ivec2 ends = floatBitsToInt(vec2(tMin, tMax)) & 0x7fffffff;
   ivec4 nearX = floatBitsToInt(unpackBytes(near.x) * scale.x + baseNear.x);
   ivec4 nearY = floatBitsToInt(unpackBytes(near.y) * scale.y + baseNear.y);
   ivec4 nearZ = floatBitsToInt(unpackBytes(near.z) * scale.z + baseNear.z);
   ivec4 farX = floatBitsToInt(unpackBytes(far.x) * scale.x + baseFar.x);
   ivec4 farY = floatBitsToInt(unpackBytes(far.y) * scale.y + baseFar.y);
   ivec4 farZ = floatBitsToInt(unpackBytes(far.z) * scale.z + baseFar.z);
-  ivec4 tNear = max(max(nearX, nearY), max(nearZ, ivec4(floatBitsToInt(tMin))));
-  ivec4 tFar = min(min(farX, farY), min(farZ, ivec4(floatBitsToInt(tMax))));
+  ivec4 tNear = max(max(nearX, nearY), max(nearZ, ivec4(ends.x)));
+  ivec4 tFar = min(min(farX, farY), min(farZ, ivec4(ends.y)));
   bvec4 missed = greaterThan(intBitsToFloat(tNear), intBitsToFloat(tFar));
   // Keys sort by distance and hold the child's place in the last two bits.
   const uint kNone = 0xffffffffu;
@@ -227,7 +229,7 @@ InstanceVisit visitInstance(uint instance, Ray ray, uint visibilityMask, uint sk
 
 bool isUsableRay(Ray ray) {
   return isFiniteVector(ray.origin) && isFiniteVector(ray.direction) && any(notEqual(ray.direction, vec3(0.0))) &&
-         ray.tMin <= ray.tMax;
+         max(ray.tMin, 0.0) <= ray.tMax;
 }
 
 // The better of two hits: nearer, then earlier in (instance, mesh triangle).
