@@ -14,9 +14,13 @@ namespace {
 
 // Decisions freeze values, frozen values fold more; a few rounds settle it.
 constexpr int kMaximumPasses = 6;
-// A kernel beyond this compiles for minutes; nothing that an artist made is near it.
+// Drivers inline all calls, and their time grows faster than what comes out. At these limits llvmpipe compiles for some ten
+// seconds of one core (README.md).
 constexpr size_t kMaximumExpressions = 20000;
-constexpr size_t kMaximumSource = 400000;
+constexpr size_t kMaximumSource = 32000;  // characters of what is not MaterialX's functions
+constexpr uint64_t kMaximumInstructions = 400000;
+// Source that cannot reach that many, whatever it calls; so the others need no look.
+constexpr size_t kSurelySmall = 8000;
 
 class GeneratorImpl final : public Generator {
  public:
@@ -74,8 +78,28 @@ class GeneratorImpl final : public Generator {
     result->kernel = kernels_.emplace(result->kernel->key, result->kernel).first->second;
   }
 
+  // Whether a driver would compile one of the entries for too long. `functions`: MaterialX's, which the entries hold.
+  bool IsTooLarge(const KernelSource& kernel, const std::string& functions) {
+    const auto isTooLarge = [&](const std::string& source) {
+      const bool holdsThem = !functions.empty() && source.find(functions) != std::string::npos;
+      const size_t own = source.size() - (holdsThem ? functions.size() : 0);
+      if (own <= kSurelySmall || own > kMaximumSource) return own > kMaximumSource;
+      std::string error;
+      return InlinedInstructions(CompileGlsl(source, kernel.key, &error)) > kMaximumInstructions;
+    };
+    {
+      const std::lock_guard lock(mutex_);
+      const auto known = isTooLarge_.find(kernel.key);
+      if (known != isTooLarge_.end()) return known->second;
+    }
+    const bool result = isTooLarge(kernel.surface) || isTooLarge(kernel.opacity) || isTooLarge(kernel.emission) ||
+                        isTooLarge(kernel.displacement);
+    const std::lock_guard lock(mutex_);
+    return isTooLarge_[kernel.key] = result;
+  }
+
   CompiledMaterial Compile(const MaterialNetwork& network, Terminal terminal, const MessageSink& sink,
-                           const GenerateOptions& options) const {
+                           const GenerateOptions& options) {
     std::vector<std::string> frozen;
     SurfaceFacts facts;
     for (int pass = 0;; ++pass) {
@@ -98,16 +122,17 @@ class GeneratorImpl final : public Generator {
         functions = library_->FunctionSource(library_->MathFile(), &seen);
         for (const std::string& file : builder.FunctionFiles()) functions += library_->FunctionSource(file, &seen);
       }
-      const bool isTooLarge = expressions.size() > kMaximumExpressions;
+      bool isTooLarge = expressions.size() > kMaximumExpressions;
       CompiledMaterial result;
       const bool isNothing = !isSurface && material.displacement == kNone;
       if (!isTooLarge && !isNothing) result = Emit(&expressions, material, functions);
       result.closureTree = material.closureTree;
-      if (!isSurface && (isTooLarge || (result.kernel && result.kernel->displacement.size() > kMaximumSource))) {
+      isTooLarge = isTooLarge || (result.kernel && IsTooLarge(*result.kernel, functions));
+      if (!isSurface && isTooLarge) {
         messages.push_back({Severity::Error, "material-too-large", network.path,
                             "the displacement is too large to compile; the surface is not displaced"});
         result = {};
-      } else if (isSurface && (isTooLarge || result.kernel->surface.size() > kMaximumSource)) {
+      } else if (isTooLarge) {
         messages.push_back({Severity::Error, "material-too-large", network.path,
                             "the material is too large to compile; it shows magenta"});
         MaterialNetwork empty;
@@ -132,6 +157,7 @@ class GeneratorImpl final : public Generator {
   const std::vector<std::string> kNoneFrozen_;
   std::mutex mutex_;
   std::unordered_map<std::string, std::shared_ptr<const KernelSource>> kernels_;
+  std::unordered_map<std::string, bool> isTooLarge_;  // by key
 };
 
 }  // namespace

@@ -107,4 +107,7 @@ std::string LinkMegakernel(const std::vector<std::shared_ptr<const KernelSource>
 // that is a bug of the generator, the log names lines.
 std::vector<uint32_t> CompileGlsl(const std::string& source, const std::string& name, std::string* error);
 
+// Instructions of the entry point once every call is replaced by what it calls: what a driver compiles.
+uint64_t InlinedInstructions(const std::vector<uint32_t>& spirv);
+
 }  // namespace materialgen

@@ -113,6 +113,73 @@ TEST(MaterialGen, LongChains) {
   }
 }
 
+// A sum of `count` noises: each some 1,700 instructions once it is inlined.
+MaterialNetwork Noises(int count, const char* node) {
+  MaterialNetwork network = Preview();
+  network.nodes.push_back({"/uv", "ND_texcoord_vector2", {}});
+  network.nodes.push_back({"/p", "ND_position_vector3", {}});
+  std::string sum;
+  for (int i = 0; i < count; ++i) {
+    const std::string at = "/at" + std::to_string(i), noise = "/noise" + std::to_string(i), add = "/add" + std::to_string(i);
+    network.nodes.push_back({at, "ND_multiply_vector2FA", {{"in2", 1 + 0.37f * float(i)}}});
+    network.nodes.push_back({noise, node, {}});
+    network.nodes.push_back({add, "ND_add_float", {}});
+    network.connections.push_back({"/uv", "out", at, "in1"});
+    network.connections.push_back({at, "out", noise, "texcoord"});
+    network.connections.push_back({noise, "out", add, "in1"});
+    if (i) network.connections.push_back({sum, "out", add, "in2"});
+    sum = add;
+  }
+  network.connections.push_back({sum, "out", network.surfaceNode, "roughness"});
+  return network;
+}
+
+// What a driver would compile for too long is refused before it gets there; what it can do in time is not.
+TEST(MaterialGen, SizeHasALimit) {
+  const Result large = RunNetwork(Noises(200, "ND_noise2d_float"));
+  EXPECT_TRUE(large.messages.empty());
+  std::string error;
+  const uint64_t instructions = InlinedInstructions(CompileGlsl(large.material.kernel->surface, "large", &error));
+  EXPECT_GT(instructions, 300000u);
+  EXPECT_LE(instructions, 400000u);
+  for (const int count : {260, 1000}) {  // by instructions, and by characters
+    const Result refused = RunNetwork(Noises(count, "ND_noise2d_float"));
+    ASSERT_EQ(refused.messages.size(), 1u) << count;
+    EXPECT_EQ(refused.messages[0].code, "material-too-large");
+    EXPECT_EQ(refused.messages[0].location, "/Looks/m");
+    EXPECT_EQ(Lobes(refused), (LobeNames{"oren_nayar"})) << "magenta";
+    EXPECT_TRUE(RunNetwork(Noises(count, "ND_noise2d_float")).Has("material-too-large")) << "again";
+  }
+  MaterialNetwork displaced = Noises(260, "ND_noise2d_float");
+  displaced.nodes.push_back({"/d", "ND_displacement_float", {}});
+  displaced.connections.push_back({displaced.connections.back().upstreamNode, "out", "/d", "displacement"});
+  displaced.displacementNode = "/d";
+  displaced.displacementOutput = "out";
+  std::vector<Message> messages;
+  const auto sink = [&](const Message& m) { messages.push_back(m); };
+  EXPECT_EQ(SharedGenerator().GenerateDisplacement(displaced, sink).kernel, nullptr);
+  ASSERT_EQ(messages.size(), 1u);
+  EXPECT_EQ(messages[0].code, "material-too-large");
+}
+
+TEST(MaterialGen, CallsCountWhatTheyCall) {
+  const auto count = [](const std::string& body) {
+    std::string error;
+    const std::string head = "#version 460\nlayout(local_size_x = 1) in;\nlayout(binding = 0) buffer B { float b[]; };\n";
+    const std::string functions = "float one(float x) { return sin(x) + 1.0; }\nfloat two(float x) { return one(one(x)); }\n";
+    const std::vector<uint32_t> spirv = CompileGlsl(head + functions + "void main() { " + body + " }\n", "count", &error);
+    EXPECT_FALSE(spirv.empty()) << error;
+    return InlinedInstructions(spirv);
+  };
+  const uint64_t none = count(""), one = count("b[0] = one(2.0);") - none, two = count("b[0] = two(2.0);") - none;
+  const uint64_t three = count("b[0] = two(one(2.0));") - none;
+  EXPECT_GT(two, one);
+  EXPECT_GT(three, two);
+  EXPECT_GE(count("b[0] = two(two(two(two(2.0))));") - none, 4 * (two - one));
+  EXPECT_LT(count(""), count("b[0] = 1.0;"));
+  EXPECT_EQ(InlinedInstructions({}), 0u);
+}
+
 TEST(MaterialGen, LongClosureChain) {
   MaterialNetwork network;
   network.path = "/m";
