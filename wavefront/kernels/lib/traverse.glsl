@@ -229,7 +229,7 @@ InstanceVisit visitInstance(uint instance, Ray ray, uint visibilityMask, uint sk
 
 bool isUsableRay(Ray ray) {
   return isFiniteVector(ray.origin) && isFiniteVector(ray.direction) && any(notEqual(ray.direction, vec3(0.0))) &&
-         max(ray.tMin, 0.0) <= ray.tMax;
+         ray.tMin <= ray.tMax && ray.tMax >= 0.0;
 }
 
 // The better of two hits: nearer, then earlier in (instance, mesh triangle).
