@@ -49,6 +49,7 @@ struct RenderDelegate::Impl {
 
   // Light profiles are text: hosts know images only.
   void LoadProfile(const TextureLoadRequest& request) {
+    ++imagesDecoded;
     auto profile = ReadPhotometricProfile(request.texture.resolvedPath);
     auto texture = profile.ok() ? EmissionTexture(*profile) : wavefront::Result<wavefront::TextureData>(profile.error());
     const wavefront::Status done = texture.ok() ? textures.Set(request.key, std::move(*texture))
@@ -63,6 +64,7 @@ struct RenderDelegate::Impl {
   MaterialStore materials;
   GprimStore gprims;
   LightStore lights;
+  std::atomic<uint64_t> imagesDecoded = 0;
 
   mutable std::mutex mutex;  // of all below
   std::map<std::string, Camera> cameras;
@@ -199,6 +201,12 @@ void RenderDelegate::SetUnconvertedColorSpaces(const std::vector<std::string>& n
 std::vector<TextureLoadRequest> RenderDelegate::PendingTextures() {
   impl_->materials.Generate();
   impl_->lights.AcquireTextures();
+  wavefront::RenderSettings settings;
+  {
+    std::lock_guard lock(impl_->mutex);
+    impl_->settings.FillInto(settings);
+  }
+  impl_->textures.ReloadCoarse(settings.textureMemory);
   std::vector<TextureLoadRequest> forHost;
   for (TextureLoadRequest& request : impl_->textures.Pending()) {
     if (IsPhotometricProfile(request.texture.resolvedPath)) impl_->LoadProfile(request);
@@ -206,6 +214,8 @@ std::vector<TextureLoadRequest> RenderDelegate::PendingTextures() {
   }
   return forHost;
 }
+
+void RenderDelegate::CountDecodedImage() { ++impl_->imagesDecoded; }
 
 wavefront::Status RenderDelegate::SetTexture(uint32_t key, wavefront::TextureData data) {
   return impl_->textures.Set(key, std::move(data));
@@ -327,6 +337,7 @@ wavefront::Status RenderDelegate::CommitResources() {
   c.materialsGenerated = impl.materials.generated();
   c.materialsUploaded = impl.materials.uploaded();
   c.kernelsCompiled = impl.materials.compiled();
+  c.imagesDecoded = impl.imagesDecoded;
   c.texturesUploaded = impl.textures.uploads();
   ++c.commits;
   return status;

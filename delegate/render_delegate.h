@@ -60,7 +60,8 @@ struct RenderPassUpdate {
 // What was done so far; tests prove with it that an edit does no needless work.
 struct DelegateCounters {
   uint64_t meshesBuilt = 0, meshesUploaded = 0, instancesUploaded = 0, lightsUploaded = 0, camerasUploaded = 0,
-           materialsGenerated = 0, materialsUploaded = 0, kernelsCompiled = 0, texturesUploaded = 0, commits = 0;
+           materialsGenerated = 0, materialsUploaded = 0, kernelsCompiled = 0, imagesDecoded = 0, texturesUploaded = 0,
+           commits = 0;
 };
 
 class SceneRecorder;
@@ -93,9 +94,11 @@ class RenderDelegate {
   void DestroySprim(const std::string& path);       // light, camera and material of that path
   void DestroyInstancer(const std::string& path);
 
-  // --- Textures. PendingTextures generates dirty materials first. SetUnconvertedColorSpaces: TextureTable's, before it.
+  // --- Textures (textures.h says what is decoded, and when). PendingTextures generates dirty materials first, and asks
+  // again for what was read coarser than the setting textureMemory now asks for. SetUnconvertedColorSpaces: before it.
   void SetUnconvertedColorSpaces(const std::vector<std::string>& names);
   std::vector<TextureLoadRequest> PendingTextures();
+  void CountDecodedImage();  // by the host, for each file that it decodes, whatever comes of it; any thread
   wavefront::Status SetTexture(uint32_t key, wavefront::TextureData data);
   wavefront::Status SetTextureTiles(uint32_t key, std::vector<std::pair<uint32_t, wavefront::TextureData>> tiles);
   wavefront::Status SetTextureMissing(uint32_t key, const std::string& reason);

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cctype>
 
+#include "delegate/photometric_profile.h"
 #include "wavefront/base/check.h"
 
 namespace delegate {
@@ -36,7 +37,7 @@ void TextureTable::SetUnconvertedSpaces(const std::vector<std::string>& names) {
 // One key for all that give the same texels whatever is in the file.
 TextureKey TextureTable::Unified(TextureKey texture) const {
   const std::string space = Lower(texture.colorSpace);
-  if (!texture.isColor || unconverted_.count(space)) {
+  if (!texture.isColor || IsPhotometricProfile(texture.resolvedPath) || unconverted_.count(space)) {
     texture.colorSpace = "raw";
     texture.isColor = false;
   } else if (space == "auto") {
@@ -81,9 +82,19 @@ std::vector<TextureLoadRequest> TextureTable::Pending() const {
   std::vector<TextureLoadRequest> pending;
   for (const auto& [texture, key] : keys_) {
     const Entry& entry = entries_.at(key);
-    if (entry.users > 0 && !entry.missing && entry.id == wavefront::kInvalidId) pending.push_back(entry.request);
+    if (entry.users > 0 && !entry.missing && (entry.id == wavefront::kInvalidId || entry.reload))
+      pending.push_back(entry.request);
   }
   return pending;
+}
+
+void TextureTable::ReloadCoarse(uint64_t textureMemory) {
+  std::lock_guard lock(mutex_);
+  const std::vector<wavefront::TextureId> ids = renderer_.CoarseTextures(textureMemory);
+  const std::set<wavefront::TextureId> coarse(ids.begin(), ids.end());
+  const auto isCoarse = [&](wavefront::TextureId id) { return coarse.count(id) != 0; };
+  for (auto& [key, entry] : entries_)
+    entry.reload = isCoarse(entry.id) || std::any_of(entry.tiles.begin(), entry.tiles.end(), isCoarse);
 }
 
 namespace {
@@ -124,7 +135,7 @@ wavefront::Status TextureTable::SetTiles(uint32_t key,
     set.push_back({udim, entry.tiles.back()});
   }
   entry.id = renderer_.CreateTextureTiles(std::move(set));
-  entry.missing = false;
+  entry.missing = entry.reload = false;
   ++version_;
   uploads_ += tiles.size();
   return {};
@@ -139,7 +150,7 @@ wavefront::Status TextureTable::Set(uint32_t key, wavefront::TextureData data) {
   if (data.name.empty()) data.name = entry.request.texture.resolvedPath;
   Drop(entry);
   entry.id = renderer_.CreateTexture(std::move(data));
-  entry.missing = false;
+  entry.missing = entry.reload = false;
   ++version_;
   ++uploads_;
   return {};
@@ -157,6 +168,7 @@ wavefront::Status TextureTable::SetMissing(uint32_t key, const std::string& reas
       ++version_;
     }
     entry.missing = true;
+    entry.reload = false;
     entry.reason = reason.empty() ? "it could not be read." : reason;
     copy = entry;
   }

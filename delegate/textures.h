@@ -1,7 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the hdWavefront authors
-// Images that materials and lights ask for. The host loads each once for each colour space that converts its
-// values; the core holds it as long as it is asked for.
+// Images that materials and lights ask for. Each colour space that converts its values makes an image of its own of a
+// file; the core holds it as long as it is asked for.
+//
+// The host is given the requests of a commit at once and decodes each file once for all that are made of it: for
+// several colour spaces, for patterns whose tiles it is, and for plain paths. A request that comes in a later commit
+// decodes its file again: nobody keeps decoded pixels. Sharing a decode raises no peak: what is made of the files of a
+// commit stands staged in the core until the commit, however often they are decoded, beside the pixels of the few files
+// that are being decoded (a strip of each in the Python host). The setting textureMemory bounds what textures take on
+// the device, not what is staged.
 #pragma once
 
 #include <compare>
@@ -48,9 +55,13 @@ class TextureTable {
   uint32_t Acquire(const TextureKey& asked, const std::string& authoredPath, const std::string& location);
   void Release(uint32_t key);
 
-  // Used, and neither loaded nor missing; sorted by texture key. Images without a resolved path are never pending: they
-  // are missing, and their diagnostic is given when they are acquired.
+  // Used, and neither loaded nor missing, or to be loaded again; sorted by texture key: those of a file stand together.
+  // Images without a resolved path are never pending: they are missing, and their diagnostic is given when they are
+  // acquired.
   std::vector<TextureLoadRequest> Pending() const;
+  // What the core read coarser than it need be with this much memory becomes pending again, and stays as it is until it
+  // comes.
+  void ReloadCoarse(uint64_t textureMemory);
   // An error where the key is unknown or the data do not fit their size. A second image replaces the first.
   wavefront::Status Set(uint32_t key, wavefront::TextureData data);
   // The same for a file pattern with <UDIM> or <UVTILE>: tiles by UDIM number, 1001 to 9999.
@@ -68,7 +79,7 @@ class TextureTable {
     uint32_t users = 0;
     wavefront::TextureId id = wavefront::kInvalidId;
     std::vector<wavefront::TextureId> tiles;  // of a set
-    bool missing = false;
+    bool missing = false, reload = false;
     std::string reason;
   };
   TextureKey Unified(TextureKey texture) const;

@@ -165,6 +165,9 @@ class Renderer {
   virtual void DestroyTexture(TextureId id) = 0;
   // A set of tiles, read by materials that ask for one. Destroying it leaves the tiles, which must outlive it.
   virtual TextureId CreateTextureTiles(std::vector<TextureTile> tiles) = 0;
+  // Of what the last commit left on the device: textures that were read coarser to fit, and would be finer with this
+  // much memory (RenderSettings::textureMemory) if they were created anew. Any thread.
+  virtual std::vector<TextureId> CoarseTextures(uint64_t textureMemory) = 0;
   virtual void RegisterKernel(MaterialKernelData kernel) = 0;  // no-op where the key is known
   virtual bool HasKernel(const std::string& key) const = 0;
   virtual void SetMegakernelLinker(MegakernelLinker linker) = 0;  // none: no megakernel

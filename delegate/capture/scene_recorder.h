@@ -30,6 +30,7 @@ class SceneRecorder final : public wavefront::Renderer {
   wavefront::TextureId CreateTexture(wavefront::TextureData texture) override;
   void DestroyTexture(wavefront::TextureId id) override;
   wavefront::TextureId CreateTextureTiles(std::vector<wavefront::TextureTile> tiles) override;
+  std::vector<wavefront::TextureId> CoarseTextures(uint64_t) override { return {}; }  // it keeps all as they come
   void RegisterKernel(wavefront::MaterialKernelData kernel) override;
   bool HasKernel(const std::string& key) const override;
   void SetMegakernelLinker(wavefront::MegakernelLinker) override {}  // a replay links its own

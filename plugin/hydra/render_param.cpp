@@ -4,16 +4,13 @@
 
 #include <pxr/base/tf/diagnostic.h>
 #include <pxr/base/tf/pathUtils.h>
-#include <pxr/base/tf/stringUtils.h>
-#include <pxr/base/work/loops.h>
 
-#include "delegate/texture_tiles.h"
 #include "plugin/hydra/texture_loader.h"
 
 namespace hydra {
 
 RenderParam::RenderParam(std::unique_ptr<delegate::RenderDelegate> core)
-    : core_(std::move(core)), loadTexture_(LoadTexture), snapshot_(*core_) {
+    : core_(std::move(core)), decodeTexture_(DecodeTexture), snapshot_(*core_) {
   core_->SetUnconvertedColorSpaces(UnconvertedSpaces());
 }
 
@@ -49,67 +46,6 @@ void RenderParam::FlushInstances() {
   }
 }
 
-void RenderParam::LoadTiles(const delegate::TextureLoadRequest& request) {
-  // UsdImaging anchors some patterns to the layers that author them, others it hands over as they are authored.
-  std::string pattern = request.texture.resolvedPath;
-  std::vector<std::string> anchored;
-  if (TfIsRelativePath(pattern)) anchored = AnchoredPatterns(pattern);
-  if (anchored.size() == 1) {
-    Report(wavefront::Severity::Info, "texture-anchored", SdfPath(request.location),
-           "This host did not anchor \"" + pattern + "\" to its layer; taken is " + anchored[0] +
-               ", the one beside a layer of the stage.");
-    pattern = anchored[0];
-  }
-  const auto files = anchored.size() > 1 ? decltype(delegate::FindTiles(pattern)){} : delegate::FindTiles(pattern);
-  std::vector<std::pair<uint32_t, wavefront::TextureData>> tiles;
-  std::string reasons;
-  for (const auto& [number, file] : files) {
-    delegate::TextureKey key = request.texture;
-    key.resolvedPath = file;
-    auto texture = loadTexture_(key);
-    if (texture) tiles.emplace_back(number, std::move(texture).value());
-    else reasons += (reasons.empty() ? "" : "; ") + std::to_string(number) + ": " + texture.error().message;
-  }
-  if (const std::string missing = delegate::MissingTiles(files); !missing.empty())
-    reasons += (reasons.empty() ? "" : "; ") + ("there is no file for " + missing);
-  const auto check = [&](const wavefront::Status& status) {
-    if (!status) Report(wavefront::Severity::Warning, "texture-failed", SdfPath(request.location), status.error().message);
-  };
-  if (tiles.empty()) {
-    std::string why = files.empty() ? "no tile of the pattern exists." : "no tile can be used (" + reasons + ").";
-    if (anchored.size() > 1)
-      why = "its path is relative, this host did not anchor it to its layer, and tiles lie beside several: " +
-            TfStringJoin(anchored, ", ") + ".";
-    else if (files.empty() && TfIsRelativePath(pattern))
-      why += " Its path is relative, and this host did not anchor it to its layer.";
-    check(core_->SetTextureMissing(request.key, why));
-    return;
-  }
-  if (!reasons.empty())
-    Report(wavefront::Severity::Warning, "texture-tiles-missing", SdfPath(request.location),
-           "Tiles of the texture \"" + request.texture.resolvedPath + "\" show the fallback value: " + reasons + ".");
-  check(core_->SetTextureTiles(request.key, std::move(tiles)));
-}
-
-void RenderParam::LoadTextures() {
-  const std::vector<delegate::TextureLoadRequest> requests = core_->PendingTextures();
-  WorkParallelForN(requests.size(), [&](size_t begin, size_t end) {
-    for (size_t i = begin; i < end; ++i) {
-      const delegate::TextureLoadRequest& request = requests[i];
-      if (delegate::IsTilePattern(request.texture.resolvedPath)) {
-        LoadTiles(request);
-        continue;
-      }
-      auto texture = loadTexture_(request.texture);
-      const wavefront::Status status = texture
-                                           ? core_->SetTexture(request.key, std::move(texture).value())
-                                           : core_->SetTextureMissing(request.key, texture.error().message);
-      if (!status)
-        Report(wavefront::Severity::Warning, "texture-failed", SdfPath(request.location), status.error().message);
-    }
-  });
-}
-
 bool RenderParam::Fail(const std::string& message) {
   failed_ = true;
   PostDiagnostics();
@@ -122,7 +58,9 @@ bool RenderParam::CommitAndStart(const delegate::RenderPassUpdate& pass) {
   failed_ = false;
   snapshot_.Reset();
   FlushInstances();
-  LoadTextures();
+  LoadTextures(*core_, decodeTexture_,
+               [this](wavefront::Severity severity, const char* code, const std::string& location,
+                      const std::string& message) { Report(severity, code, SdfPath(location), message); });
   const wavefront::Status committed = core_->CommitResources();
   PostDiagnostics();
   if (!committed) return Fail(committed.error().message);

@@ -10,7 +10,6 @@
 
 #include <atomic>
 #include <cstdint>
-#include <functional>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -24,6 +23,7 @@
 
 #include "delegate/render_delegate.h"
 #include "plugin/hydra/hd_compat.h"
+#include "plugin/hydra/load_textures.h"
 #include "plugin/hydra/snapshot.h"
 
 namespace hydra {
@@ -51,8 +51,7 @@ class RenderParam final : public HdRenderParam {
   void ForgetInstancer(const SdfPath& instancer);
 
   // Who decodes images: Hio, unless a test brings its own. Called from several threads.
-  using TextureLoader = std::function<wavefront::Result<wavefront::TextureData>(const delegate::TextureKey&)>;
-  void SetTextureLoader(TextureLoader loader) { loadTexture_ = std::move(loader); }
+  void SetTextureDecoder(TextureDecoder decoder) { decodeTexture_ = std::move(decoder); }
 
   // --- The render.
   // With a core that was made for it: every commit writes the scene to this file, nothing is rendered, and all counts as
@@ -78,13 +77,11 @@ class RenderParam final : public HdRenderParam {
 
  private:
   void FlushInstances();
-  void LoadTextures();
-  void LoadTiles(const delegate::TextureLoadRequest& request);
   bool Capture();
   bool Fail(const std::string& message);
 
   std::unique_ptr<delegate::RenderDelegate> core_;
-  TextureLoader loadTexture_;
+  TextureDecoder decodeTexture_;
   std::string captureFile_;
   Snapshot snapshot_;
   std::atomic<bool> edited_{true}, failed_{false}, paused_{false}, stopped_{false};

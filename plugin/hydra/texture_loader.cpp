@@ -14,6 +14,7 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <memory>
 #include <set>
 
 #include "delegate/texture_tiles.h"
@@ -199,8 +200,7 @@ wavefront::TextureData Convert(const std::string& name, const HioImage::StorageS
 
 std::vector<std::string> UnconvertedSpaces() { return {std::begin(kAsIs), std::end(kAsIs)}; }
 
-wavefront::Result<wavefront::TextureData> LoadTexture(const delegate::TextureKey& texture) {
-  const std::string& path = texture.resolvedPath;
+wavefront::Result<TextureConverter> DecodeTexture(const std::string& path) {
   const HioImageSharedPtr image = HioImage::OpenForReading(path, 0, 0, HioImage::Raw, /*suppressErrors=*/true);
   if (!image) return wavefront::Error{"The file cannot be read as an image."};
   HioImage::StorageSpec spec;
@@ -214,15 +214,19 @@ wavefront::Result<wavefront::TextureData> LoadTexture(const delegate::TextureKey
                             " is not within 1..32768 a side."};
   if (spec.format == HioFormatInvalid || HioIsCompressed(spec.format))
     return wavefront::Error{"The image's pixel format is not supported."};
-  std::vector<uint8_t> pixels(size_t(spec.width) * size_t(spec.height) * HioGetDataSizeOfFormat(spec.format));
-  spec.data = pixels.data();
+  const auto pixels = std::make_shared<std::vector<uint8_t>>(size_t(spec.width) * size_t(spec.height) *
+                                                             HioGetDataSizeOfFormat(spec.format));
+  spec.data = pixels->data();
   if (!image->Read(spec)) return wavefront::Error{"The image is damaged."};
-  const std::string space =
-      ResolveSpace(texture, HioGetHioType(spec.format), HioGetComponentCount(spec.format));
-  const Encoding encoding = EncodingOf(space);
-  if (encoding == Encoding::Unknown)
-    return wavefront::Error{"The colour space \"" + space + "\" is unknown here."};
-  return Convert(path, spec, pixels, encoding);
+  return TextureConverter([path, spec, pixels](const delegate::TextureKey& texture) {
+    const std::string space =
+        ResolveSpace(texture, HioGetHioType(spec.format), HioGetComponentCount(spec.format));
+    const Encoding encoding = EncodingOf(space);
+    using Texels = wavefront::Result<wavefront::TextureData>;
+    if (encoding == Encoding::Unknown)
+      return Texels(wavefront::Error{"The colour space \"" + space + "\" is unknown here."});
+    return Texels(Convert(path, spec, *pixels, encoding));
+  });
 }
 
 std::vector<std::string> AnchoredPatterns(const std::string& pattern) {

@@ -73,6 +73,11 @@ class FakeRenderer : public wavefront::Renderer {
     return id;
   }
   std::map<wavefront::TextureId, std::vector<wavefront::TextureTile>> tileSets;
+  std::vector<wavefront::TextureId> CoarseTextures(uint64_t textureMemory) override {
+    return textureMemory == 0 || textureMemory > coarseBelow ? coarse : std::vector<wavefront::TextureId>();
+  }
+  std::vector<wavefront::TextureId> coarse;  // given where there is more memory than `coarseBelow`
+  uint64_t coarseBelow = 0;
   void RegisterKernel(wavefront::MaterialKernelData k) override {
     ++edits;
     const wavefront::KernelCode code = k.compile(wavefront::KernelEntry::Surface);

@@ -104,6 +104,45 @@ TEST(Textures, ColourSpacesThatConvertNothingAreOne) {
   EXPECT_EQ(gone(12, 16), 0u);
 }
 
+// What the core read coarser to fit is asked for again where there is more memory, and drawn as it is until it comes.
+TEST(Textures, MoreMemoryAsksAgainForWhatWasReadCoarser) {
+  Fixture f;
+  f.delegate->Sync("/a", Universal(Network("/a", "surface", 0, "/wood.png")));
+  f.delegate->Sync("/b", Universal(Network("/b", "surface", 1, "/iron.png")));
+  f.delegate->Sync("/c", Universal(Network("/c", "surface", 2, "/t.<UDIM>.png")));
+  ASSERT_TRUE(f.delegate->SetRenderSetting("textureMemory", int64_t{2}).ok());
+  for (const auto& request : f.delegate->PendingTextures()) {
+    if (request.texture.resolvedPath == "/t.<UDIM>.png")
+      ASSERT_TRUE(f.delegate->SetTextureTiles(request.key, {{1001, Texel()}, {1002, Texel()}}).ok());
+    else
+      ASSERT_TRUE(f.delegate->SetTexture(request.key, Texel()).ok());
+  }
+  f.Commit();
+  const auto idOf = [&](const std::string& path) {
+    return std::bit_cast<uint32_t>(f.renderer->MaterialOf(path)->parameters[1].x);
+  };
+  const uint32_t wood = idOf("/a"), iron = idOf("/b"), set = idOf("/c");
+  f.renderer->coarse = {wood, f.renderer->tileSets[set][1].texture};
+  f.renderer->coarseBelow = 2 << 20;
+  EXPECT_TRUE(f.delegate->PendingTextures().empty());
+  ASSERT_TRUE(f.delegate->SetRenderSetting("textureMemory", int64_t{3}).ok());
+  auto pending = f.delegate->PendingTextures();
+  ASSERT_EQ(pending.size(), 2u);
+  EXPECT_EQ(pending[0].texture.resolvedPath, "/t.<UDIM>.png");
+  EXPECT_EQ(pending[1].texture.resolvedPath, "/wood.png");
+  f.Commit();
+  EXPECT_EQ(idOf("/a"), wood);  // nobody answered yet
+  ASSERT_TRUE(f.delegate->SetTextureTiles(pending[0].key, {{1001, Texel()}, {1002, Texel()}}).ok());
+  ASSERT_TRUE(f.delegate->SetTexture(pending[1].key, Texel()).ok());
+  f.renderer->coarse.clear();
+  EXPECT_TRUE(f.delegate->PendingTextures().empty());
+  f.Commit();
+  EXPECT_NE(idOf("/a"), wood);
+  EXPECT_EQ(idOf("/b"), iron);
+  EXPECT_NE(idOf("/c"), set);
+  EXPECT_EQ(f.renderer->textures.size(), 5u);  // two images, two tiles and their set: the coarse ones are gone
+}
+
 TEST(Textures, TilesOfAPatternAreOneTexture) {
   Fixture f;
   f.delegate->Sync("/a", Universal(Network("/a", "surface", 0, "/t.<UDIM>.png")));

@@ -57,8 +57,10 @@ struct Host {
 
   explicit Host(std::unique_ptr<delegate::RenderDelegate> core = delegate_test::MakeRealDelegate())
       : renderDelegate(std::move(core), {}) {
-    renderDelegate.param().SetTextureLoader([](const delegate::TextureKey& key) {
-      return wavefront::Result<wavefront::TextureData>(delegate_test::SceneTexture(key.resolvedPath));
+    renderDelegate.param().SetTextureDecoder([](const std::string& path) {
+      return wavefront::Result<hydra::TextureConverter>([path](const delegate::TextureKey&) {
+        return wavefront::Result<wavefront::TextureData>(delegate_test::SceneTexture(path));
+      });
     });
   }
   ~Host() { task.reset(); }

@@ -7,12 +7,17 @@
 #include <pxr/imaging/hio/image.h>
 #include <pxr/usd/sdf/layer.h>
 
+#include <bit>
 #include <cmath>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <mutex>
+#include <set>
 
+#include "plugin/hydra/load_textures.h"
 #include "plugin/hydra/texture_loader.h"
+#include "tests/delegate/fakes.h"
 
 namespace hydra {
 namespace {
@@ -57,7 +62,9 @@ TEST(TextureLoader, EveryByteBecomesTheHalfThatThePythonHostMakesOfIt) {
     key.resolvedPath = ramp.path();
     key.colorSpace = space;
     key.isColor = true;
-    auto texture = LoadTexture(key);
+    const auto decoded = DecodeTexture(key.resolvedPath);
+    ASSERT_TRUE(decoded.ok()) << decoded.error().message;
+    auto texture = decoded.value()(key);
     ASSERT_TRUE(texture.ok()) << texture.error().message;
     ASSERT_EQ(texture->format, wavefront::TexelFormat::Rgba16Float);
     ASSERT_EQ(texture->texels.size(), 256u * 8);
@@ -69,6 +76,64 @@ TEST(TextureLoader, EveryByteBecomesTheHalfThatThePythonHostMakesOfIt) {
       EXPECT_EQ(texel[3], GfHalf(1.0f).bits());
     }
   }
+}
+
+// Colour spaces, tiles, plain paths and links: what is asked for in a commit shares the decodes of its files.
+TEST(TextureLoader, EachFileIsDecodedOnceForAllThatIsMadeOfIt) {
+  const auto root = std::filesystem::temp_directory_path() / "hdwavefront_once";
+  std::filesystem::remove_all(root);
+  std::filesystem::create_directories(root);
+  const BytesFile ramp;
+  ASSERT_TRUE(ramp.written());
+  for (const char* name : {"t.1001.png", "t.1002.png"}) std::filesystem::copy_file(ramp.path(), root / name);
+  std::filesystem::create_symlink(root / "t.1002.png", root / "linked.png");
+  delegate_test::Fixture f;
+  f.delegate->SetUnconvertedColorSpaces(UnconvertedSpaces());
+  int materials = 0;
+  const auto ask = [&](const std::string& file, const std::string& space) {
+    const std::string path = "/m" + std::to_string(materials++);
+    auto network = delegate_test::Network(path, "surface", 0, (root / file).string());
+    network.nodes[1].parameters["sourceColorSpace"] = space;
+    f.delegate->Sync(path, delegate::MaterialUpdate{{{"", std::move(network)}}});
+    return path;
+  };
+  ask("t.1001.png", "auto");
+  const std::string srgb = ask("t.1001.png", "sRGB"), raw = ask("t.1001.png", "raw");
+  const std::string tiles = ask("t.<UDIM>.png", "sRGB");
+  ask("t.<UDIM>.png", "raw");
+  ask("linked.png", "raw");
+  std::mutex mutex;
+  std::multiset<std::string> decoded;
+  const auto load = [&] {
+    LoadTextures(
+        *f.delegate,
+        [&](const std::string& path) {
+          std::lock_guard lock(mutex);
+          decoded.insert(std::filesystem::canonical(path).filename().string());
+          return DecodeTexture(path);
+        },
+        [](wavefront::Severity, const char*, const std::string&, const std::string& text) { ADD_FAILURE() << text; });
+    f.Commit();
+  };
+  load();
+  EXPECT_THAT(decoded, testing::ElementsAre("t.1001.png", "t.1002.png"));
+  EXPECT_EQ(f.delegate->counters().imagesDecoded, 2u);
+  EXPECT_EQ(f.delegate->counters().texturesUploaded, 8u);
+  const auto idOf = [&](const std::string& path) {
+    return std::bit_cast<uint32_t>(f.renderer->MaterialOf(path)->parameters[1].x);
+  };
+  EXPECT_EQ(f.renderer->textures[idOf(raw)].format, wavefront::TexelFormat::Rgba8Unorm);
+  EXPECT_EQ(f.renderer->textures[idOf(srgb)].format, wavefront::TexelFormat::Rgba16Float);
+  const auto& set = f.renderer->tileSets[idOf(tiles)];
+  ASSERT_EQ(set.size(), 2u);
+  EXPECT_EQ(f.renderer->textures[set[0].texture].texels, f.renderer->textures[idOf(srgb)].texels);
+  EXPECT_FALSE(f.renderer->textures[idOf(srgb)].texels.empty());
+  // Nothing is kept: what is asked for later decodes again.
+  ask("t.1001.png", "g22_rec709");
+  load();
+  EXPECT_EQ(decoded.count("t.1001.png"), 2u);
+  EXPECT_EQ(decoded.count("t.1002.png"), 1u);
+  std::filesystem::remove_all(root);
 }
 
 // Scene-index mode hands relative patterns over as they are authored.

@@ -3,6 +3,7 @@
 // The tables that the scene commit writes, for tests in Python: lights and textures in, bytes of the streams out, so that
 // the kernels' readers are tested against the very layout that C++ makes.
 #include <nanobind/nanobind.h>
+#include <nanobind/stl/optional.h>
 #include <nanobind/stl/pair.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/tuple.h>
@@ -95,13 +96,14 @@ LightData LightOf(const nb::dict& from) {
 // textures: (width, height, "rgba8", "rgba16f", "rgba16" or "rgba32f", bytes), row 0 at the bottom; the index is the texture id.
 // tiles: sets of (UDIM number, texture id), whose ids follow those of the textures. names: of textures, for diagnostics.
 // commits: (textures created by then, bytes that textures may take, 0: no limit), by commit. The first `gone` textures are
-// destroyed before the last one.
+// destroyed before the last one. again: the bytes that textures may take from then on; what is coarse is created anew.
 // emissive: (instance, records, areas, corners) as EmissiveTriangles, corners as floats. light_sampling: as the setting.
 // memoryBudget: bytes, 0: the device's.
 nb::dict SceneTables(const std::vector<nb::dict>& lights, const std::vector<std::tuple<uint32_t, uint32_t, std::string, nb::bytes>>& textures,
                      const std::vector<std::tuple<uint32_t, std::vector<uint32_t>, std::vector<float>, std::vector<float>>>& emissive, double sceneRadius,
                      uint64_t memoryBudget, const std::string& lightSampling, const std::vector<std::vector<std::pair<uint32_t, uint32_t>>>& tiles,
-                     const std::vector<std::string>& names, std::vector<std::pair<std::size_t, uint64_t>> commits, uint32_t gone) {
+                     const std::vector<std::string>& names, std::vector<std::pair<std::size_t, uint64_t>> commits,
+                     uint32_t gone, std::optional<uint64_t> again) {
   vulkan::DeviceOptions options;
   options.memoryBudgetBytes = memoryBudget;
   auto device = vulkan::Device::Create(options);
@@ -112,18 +114,19 @@ nb::dict SceneTables(const std::vector<nb::dict>& lights, const std::vector<std:
   TextureStore store(*device.value());
   std::size_t index = 0;
   if (commits.empty()) commits.emplace_back(textures.size(), 0);
+  const auto create = [&](std::size_t i) {
+    const auto& [width, height, format, bytes] = textures.at(i);
+    TextureData data;
+    data.name = i < names.size() ? names[i] : "texture " + std::to_string(i);
+    data.width = width;
+    data.height = height;
+    data.format = FormatOf(format);
+    const auto* first = reinterpret_cast<const uint8_t*>(bytes.c_str());
+    data.texels.assign(first, first + bytes.size());
+    store.Create(std::move(data));
+  };
   for (const auto& [count, limit] : commits) {
-    for (; index < count; ++index) {
-      const auto& [width, height, format, bytes] = textures.at(index);
-      TextureData data;
-      data.name = index < names.size() ? names[index] : "texture " + std::to_string(index);
-      data.width = width;
-      data.height = height;
-      data.format = FormatOf(format);
-      const auto* first = reinterpret_cast<const uint8_t*>(bytes.c_str());
-      data.texels.assign(first, first + bytes.size());
-      store.Create(std::move(data));
-    }
+    for (; index < count; ++index) create(index);
     if (&limit == &commits.back().second) {
       for (uint32_t id = 0; id < gone; ++id) store.Destroy(id);
       for (const auto& set : tiles) {
@@ -135,6 +138,18 @@ nb::dict SceneTables(const std::vector<nb::dict>& lights, const std::vector<std:
     bool changed = false;
     store.SetLimit(limit);
     Check(store.Commit(sink, &changed));
+  }
+  if (again) {
+    const std::vector<TextureId> coarse = store.Coarse(*again);
+    for (TextureId id : coarse) {
+      store.Destroy(id);
+      create(id);
+    }
+    bool changed = false;
+    store.SetLimit(*again);
+    Check(store.Commit(sink, &changed));
+    out["coarse"] = coarse;
+    out["stillCoarse"] = store.Coarse(*again);
   }
   std::vector<LightData> all;
   for (const nb::dict& light : lights) all.push_back(LightOf(light));
@@ -176,7 +191,8 @@ nb::dict SceneTables(const std::vector<nb::dict>& lights, const std::vector<std:
 void bindScene(nb::module_& module) {
   module.def("scene_tables", &SceneTables, nb::arg("lights"), nb::arg("textures"), nb::arg("emissive"), nb::arg("scene_radius"),
              nb::arg("memory_budget") = 0, nb::arg("light_sampling") = "auto", nb::arg("tiles") = std::vector<std::vector<std::pair<uint32_t, uint32_t>>>(),
-             nb::arg("names") = std::vector<std::string>(), nb::arg("commits") = std::vector<std::pair<std::size_t, uint64_t>>(), nb::arg("gone") = 0);
+             nb::arg("names") = std::vector<std::string>(),
+             nb::arg("commits") = std::vector<std::pair<std::size_t, uint64_t>>(), nb::arg("gone") = 0, nb::arg("again") = nb::none());
   module.def("interface_table", [] { return ToBytes(InterfaceTableTexels()); });
   module.def("halve_level", [](const nb::bytes& texels, uint32_t width, uint32_t height, const std::string& format) {
     const auto* first = reinterpret_cast<const uint8_t*>(texels.c_str());

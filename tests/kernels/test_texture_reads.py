@@ -382,10 +382,44 @@ def test_textures_on_the_device_make_room_for_those_that_come_later(kernel_runne
     assert said == [("a", 256), ("b", 256)]
     assert same_texels(kernel_runner, whole, parts, range(3))
     assert parts["poolBytes"] <= limit
-    # A limit that an edit sets: what is held shrinks, and a limit taken back brings nothing back by itself.
+    # A limit that an edit sets: what is held shrinks, and comes back, where there is more again, as it is read again.
     edited, said, cut = limited("abc", [(3, 0), (3, limit), (3, 0)])
     assert edited == at_once and said == [("a", 256), ("b", 256)]
     assert same_texels(kernel_runner, whole, cut, range(3)) and cut["poolBytes"] <= limit
+
+
+@pytest.mark.parametrize("order", ["abc", "cba"])
+@pytest.mark.parametrize(
+    ("held", "limit", "expected"),
+    [
+        (100, 0, {"a": 512, "b": 512}),  # no limit
+        (100, 216, {"a": 512, "b": 512}),
+        (100, 215, {"b": 512}),  # as if all came at once: a is the one that is halved
+        (45, 100, {"a": 256, "b": 256, "c": 256}),  # b is read at 256 already
+        (100, 100, {}),
+        (100, 45, {}),
+    ],
+)
+def test_more_memory_brings_back_what_it_has_room_for(kernel_runner, order, held, limit, expected):
+    """What says that it is coarse, created anew, is as large as if all had come at once, and does not say so again."""
+    from _kernel_runner import scene_tables
+
+    def sizes(tables):
+        return np.frombuffer(tables["textureRecords"], np.uint32).reshape(-1, 4)[:, 0].tolist()
+
+    kinds = [(BIG[n].shape[1], BIG[n].shape[0], "rgba16f" if n == "c" else "rgba8", BIG[n].tobytes()) for n in order]
+    start = sizes(scene_tables([], kinds, [], 1.0, names=list(order), commits=[(3, held * BLOCK)]))
+    tables = scene_tables([], kinds, [], 1.0, names=list(order), commits=[(3, held * BLOCK)], again=limit * BLOCK)
+    got = dict(zip(order, sizes(tables)[:3], strict=True))
+    for place, texture in enumerate(tables["coarse"]):
+        assert start[texture] < sizes(tables)[3 + place]
+        got[order[texture]] = sizes(tables)[3 + place]
+    at_once = sizes(scene_tables([], kinds, [], 1.0, names=list(order), commits=[(3, limit * BLOCK)]))
+    assert got == dict(zip(order, at_once, strict=True))
+    assert {n: got[n] for n in (order[t] for t in tables["coarse"])} == {
+        n: s for n, s in expected.items() if s > start[order.index(n)]
+    }
+    assert tables["stillCoarse"] == []
 
 
 def test_holes_in_the_pool_are_closed_before_it_passes_the_limit(kernel_runner):

@@ -4,7 +4,10 @@
 
 from __future__ import annotations
 
+import collections
+import os
 import zipfile
+from types import SimpleNamespace
 
 import numpy as np
 import OpenImageIO as oiio
@@ -12,7 +15,8 @@ import pytest
 from hdwavefront.color.manager import ColorManager
 from hdwavefront.errors import Diagnostics
 from hdwavefront.image_io import textures
-from hdwavefront.image_io.textures import TextureError, load_texture, load_tiles, tile_files
+from hdwavefront.image_io.texture_loading import load_pending
+from hdwavefront.image_io.textures import Conversion, TextureError, load_texture, tile_files
 
 
 @pytest.fixture(scope="module")
@@ -24,9 +28,53 @@ def colors():
 def load(colors):
     def call(path, space="auto", is_color=True, manager=None):
         call.diagnostics = Diagnostics()
-        return load_texture(str(path), space, is_color, manager or colors, call.diagnostics)
+        conversions = [Conversion(space, is_color)]
+        return load_texture(str(path), conversions, manager or colors, call.diagnostics)[0]
 
     return call
+
+
+@pytest.fixture
+def pending(colors):
+    """Answers requests (path, space) or (path, space, is_color); gives the answers by number."""
+
+    def call(*asked):
+        requests = [
+            SimpleNamespace(
+                key=k, resolved_path=str(path), color_space=space, is_color=(*rest, True)[0], location=f"/m/{k}"
+            )
+            for k, (path, space, *rest) in enumerate(asked)
+        ]
+        answers, decoded = {}, []
+        delegate = SimpleNamespace(
+            pending_textures=lambda: requests,
+            count_decoded_image=lambda: decoded.append(1),
+            set_texture=answers.__setitem__,
+            set_texture_tiles=lambda key, numbers, pixels: answers.__setitem__(
+                key, dict(zip(numbers, pixels, strict=True))
+            ),
+            set_texture_missing=answers.__setitem__,
+        )
+        call.diagnostics = Diagnostics()
+        load_pending(delegate, colors, call.diagnostics)
+        call.decoded = len(decoded)
+        return answers
+
+    return call
+
+
+@pytest.fixture
+def opened(monkeypatch):
+    """How often OpenImageIO has opened each file."""
+    count = collections.Counter()
+    open_ = oiio.ImageInput.open
+
+    def spy(path, *rest):
+        count[os.path.basename(path)] += 1
+        return open_(path, *rest)
+
+    monkeypatch.setattr(oiio, "ImageInput", SimpleNamespace(open=spy))
+    return count
 
 
 def write(path, pixels, names=None, tile=0, **attributes):
@@ -202,18 +250,56 @@ def test_tiles_are_found_by_their_numbers(tmp_path):
     assert tile_files(str(tmp_path / "gone/t.<UDIM>.png")) == {}
 
 
-def test_missing_tiles_are_said_once(tmp_path):
-    diagnostics = Diagnostics()
+@pytest.mark.parametrize(
+    ("name", "dtype"), [("a.png", np.uint8), ("b.png", np.uint16), ("c.exr", np.float16), ("d.exr", np.float32)]
+)
+def test_a_file_is_decoded_once_for_all_conversions(pending, opened, load, tmp_path, name, dtype):
+    """And each is to the bit what the file gives by itself."""
+    file = write(tmp_path / name, gradient(4, dtype, (40, 30)))
+    asked = [("", True), ("sRGB", True), ("SRGB", True), ("acescg", True), ("lin_rec709", True), ("raw", False)]
+    answers = pending(*((file, *conversion) for conversion in asked))
+    assert opened == {name: 1} and pending.decoded == 1
+    for got, conversion in zip(answers.values(), asked, strict=True):
+        alone = load(file, *conversion)
+        assert got.dtype == alone.dtype and (got.view(np.uint8) == alone.view(np.uint8)).all(), conversion
+    assert answers[1] is answers[2]
+    assert not (answers[1] == answers[5]).all()
+
+
+def test_tiles_plain_paths_and_links_share_a_decode(pending, opened, tmp_path):
+    for tile in (1001, 1002):
+        write(tmp_path / f"t.{tile}.png", gradient(3, size=(4, tile - 999)))
+    os.symlink(tmp_path / "t.1002.png", tmp_path / "linked.png")
+    pattern = tmp_path / "t.<UDIM>.png"
+    answers = pending(
+        (pattern, "sRGB"), (pattern, "raw"), (tmp_path / "t.1001.png", "sRGB"), (tmp_path / "linked.png", "raw")
+    )
+    assert sum(opened.values()) == pending.decoded == 2
+    assert [list(answers[k]) for k in (0, 1)] == [[1001, 1002]] * 2
+    assert answers[0][1001] is answers[2] and answers[1][1002] is answers[3]
+    assert answers[0][1002].dtype == np.float16 and answers[3].shape == (4, 3, 4)
+    # Nothing is kept: another colour space that is asked for later decodes again.
+    pending((tmp_path / "t.1001.png", "acescg"))
+    assert opened["t.1001.png"] == 2
+
+
+def test_a_broken_file_answers_all_that_ask_for_it(pending, opened, tmp_path):
+    (tmp_path / "t.1001.png").write_bytes(b"this is no image")
+    answers = pending(*((tmp_path / name, "raw") for name in ("t.1001.png", "t.<UDIM>.png", "u.<UDIM>.png")))
+    assert opened == {"t.1001.png": 1}
+    assert "cannot be read" in answers[0] and "no tile can be used (1001: the file" in answers[1]
+    assert answers[2] == "no tile of the pattern exists."
+
+
+def test_missing_tiles_are_said_once(pending, tmp_path):
     for tile in (1001, 1003):
         write(tmp_path / f"t.{tile}.exr", gradient(3, np.float32, (4, 4)))
     (tmp_path / "t.1004.exr").write_bytes(b"this is no image")
-    tiles = load_tiles(str(tmp_path / "t.<UDIM>.exr"), "raw", True, ColorManager(), diagnostics, "/m/t")
+    tiles = pending((tmp_path / "t.<UDIM>.exr", "raw"))[0]
     assert list(tiles) == [1001, 1003] and tiles[1001].shape == (4, 4, 4)
-    assert [(d.code, d.location) for d in diagnostics] == [("texture-tiles-missing", "/m/t")]
-    text = next(iter(diagnostics)).message
+    assert [(d.code, d.location) for d in pending.diagnostics] == [("texture-tiles-missing", "/m/0")]
+    text = next(iter(pending.diagnostics)).message
     assert "1004: the file" in text and "there is no file for 1002." in text
-    with pytest.raises(TextureError, match="no tile"):
-        load_tiles(str(tmp_path / "u.<UDIM>.exr"), "raw", True, ColorManager(), diagnostics, "/m/u")
 
 
 def test_a_cut_off_file_says_so(load, tmp_path):
@@ -237,7 +323,7 @@ def test_files_inside_packages(load, tmp_path):
     assert (load(f"{package}[{inside}]", "raw") == load(image, "raw")).all()
 
 
-def test_tiles_inside_packages(tmp_path, colors):
+def test_tiles_inside_packages(tmp_path, pending):
     images = {tile: write(tmp_path / f"t.{tile}.png", gradient(3) // k) for k, tile in ((1, 1001), (2, 1012))}
     write(tmp_path / "t.1002.png", gradient(3))
     package = tmp_path / "p.usdz"
@@ -248,7 +334,7 @@ def test_tiles_inside_packages(tmp_path, colors):
         archive.write(tmp_path / "t.1002.png", "t.1002.png")  # in another folder
     pattern = f"{package}[maps/t.<UDIM>.png]"
     assert tile_files(pattern) == {tile: f"{package}[maps/t.{tile}.png]" for tile in images}
-    tiles = load_tiles(pattern, "raw", True, colors, Diagnostics(), "/m/t")
+    tiles = pending((pattern, "raw"))[0]
     assert (tiles[1012][..., :3] == gradient(3) // 2).all()
     assert tile_files(f"{package}[none/t.<UDIM>.png]") == tile_files(f"{tmp_path}/gone.usdz[t.<UDIM>.png]") == {}
 

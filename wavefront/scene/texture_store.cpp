@@ -61,8 +61,8 @@ void TextureStore::SetLimit(uint64_t bytes) {
   limit_ = bytes;
 }
 
-uint64_t TextureStore::BlocksAllowed() const {
-  return limit_ == 0 ? maxBlocks_ : std::min(maxBlocks_, limit_ / kPageBlockBytes);
+uint64_t TextureStore::BlocksAllowed(uint64_t limit) const {
+  return limit == 0 ? maxBlocks_ : std::min(maxBlocks_, limit / kPageBlockBytes);
 }
 
 Result<TextureData> TextureStore::ReadBack(const Resident& r, std::size_t index) {
@@ -92,44 +92,70 @@ void TextureStore::Forget(TextureId id) {
   resident_.erase(it);
 }
 
-// Textures that together pass what they may take are read coarser: the largest loses its finest level until all fit, of
-// equals the first by name, so that the order in which they came never shows. Those on the device take part. No texture
-// goes below one page: from there on its memory hardly falls, and its picture does.
-Status TextureStore::ReduceToFit(const DiagnosticSink& sink, bool* changed) {
-  struct Candidate {
-    uint64_t blocks;
-    std::string name;
-    TextureId id;
-    TextureData size;  // without texels
-    std::size_t drops = 0;
-  };
-  std::vector<Candidate> all;
-  uint64_t blocks = 0;
-  const auto add = [&](TextureId id, const std::string& name, uint32_t width, uint32_t height, TexelFormat format) {
-    TextureData size{{}, width, height, format, {}};
-    all.push_back({BlocksOf(size), name, id, size});
-    blocks += all.back().blocks;
-  };
-  for (const auto& [id, r] : resident_) add(id, r.name, r.levels[0].width, r.levels[0].height, r.format);
-  for (const auto& [id, t] : staged_) add(id, t.name, t.width, t.height, t.format);
-  const auto before = [](const Candidate& a, const Candidate& b) {
+// A texture while it is decided at which size it is read.
+struct TextureStore::Fitted {
+  Fitted(TextureId textureId, std::string textureName, uint32_t width, uint32_t height, TexelFormat format)
+      : id(textureId), name(std::move(textureName)), size{{}, width, height, format, {}}, blocks(BlocksOf(size)) {}
+  TextureId id;
+  std::string name;
+  TextureData size;  // without texels
+  uint64_t blocks;
+  std::size_t drops = 0;
+};
+
+// Textures that together pass what they may take are read coarser: the largest loses its finest level until all fit,
+// of equals the first by name, so that the order in which they came never shows. No texture goes below one page: from
+// there on its memory hardly falls, and its picture does.
+void TextureStore::Fit(std::vector<Fitted>& all, uint64_t allowed, uint64_t* blocks) {
+  const auto before = [](const Fitted& a, const Fitted& b) {
     return std::tie(a.blocks, b.name, b.id) < std::tie(b.blocks, a.name, a.id);
   };
-  while (blocks > BlocksAllowed() && !all.empty()) {
-    Candidate& largest = *std::max_element(all.begin(), all.end(), before);
+  *blocks = 0;
+  for (const Fitted& f : all) *blocks += f.blocks;
+  while (*blocks > allowed && !all.empty()) {
+    Fitted& largest = *std::max_element(all.begin(), all.end(), before);
     TextureData& size = largest.size;
     if (std::max(size.width, size.height) <= kPageSide) break;
     size.width = std::max(1u, size.width / 2);
     size.height = std::max(1u, size.height / 2);
     ++largest.drops;
-    blocks -= largest.blocks;
+    *blocks -= largest.blocks;
     largest.blocks = BlocksOf(size);
-    blocks += largest.blocks;
+    *blocks += largest.blocks;
   }
-  std::sort(all.begin(), all.end(), [](const Candidate& a, const Candidate& b) { return std::tie(a.name, a.id) < std::tie(b.name, b.id); });
+}
+
+// From the sizes as created on, which gives at most what a commit makes of them and what is on the device: so what is
+// created anew because it stands here does not stand here again.
+std::vector<TextureId> TextureStore::Coarse(uint64_t limit) {
+  std::lock_guard lock(mutex_);
+  std::vector<Fitted> all;
+  for (const auto& [id, r] : resident_) {
+    if (std::count(destroyed_.begin(), destroyed_.end(), id) == 0)
+      all.emplace_back(id, r.name, full_.at(id).first, full_.at(id).second, r.format);
+  }
+  uint64_t blocks = 0;
+  Fit(all, BlocksAllowed(limit), &blocks);
+  std::vector<TextureId> coarse;
+  for (const Fitted& f : all) {
+    const Level& held = resident_.at(f.id).levels[0];
+    if (f.size.width > held.width || f.size.height > held.height) coarse.push_back(f.id);
+  }
+  return coarse;
+}
+
+// Those on the device take part.
+Status TextureStore::ReduceToFit(const DiagnosticSink& sink, bool* changed) {
+  std::vector<Fitted> all;
+  uint64_t blocks = 0;
+  const uint64_t allowedBlocks = BlocksAllowed(limit_);
+  for (const auto& [id, r] : resident_) all.emplace_back(id, r.name, r.levels[0].width, r.levels[0].height, r.format);
+  for (const auto& [id, t] : staged_) all.emplace_back(id, t.name, t.width, t.height, t.format);
+  Fit(all, allowedBlocks, &blocks);
+  std::sort(all.begin(), all.end(), [](const Fitted& a, const Fitted& b) { return std::tie(a.name, a.id) < std::tie(b.name, b.id); });
   const auto megabytes = [](uint64_t count) { return std::to_string((count * kPageBlockBytes + (1 << 20) - 1) >> 20) + " MB"; };
-  const std::string allowed = megabytes(BlocksAllowed()) + (BlocksAllowed() < maxBlocks_ ? ", the setting textureMemory" : ", what this device can hold");
-  for (const Candidate& c : all) {
+  const std::string allowed = megabytes(allowedBlocks) + (allowedBlocks < maxBlocks_ ? ", the setting textureMemory" : ", what this device can hold");
+  for (const Fitted& c : all) {
     if (c.drops == 0) continue;
     *changed = true;
     if (const auto staged = staged_.find(c.id); staged != staged_.end()) {
@@ -150,7 +176,7 @@ Status TextureStore::ReduceToFit(const DiagnosticSink& sink, bool* changed) {
             "); this one is read at " + std::to_string(c.size.width) + " x " + std::to_string(c.size.height)});
     }
   }
-  if (blocks > BlocksAllowed() && sink && *changed) {
+  if (blocks > allowedBlocks && sink && *changed) {
     sink({Severity::Warning, "texture-memory", "", std::to_string(all.size()) + " textures of at most " + std::to_string(kPageSide) +
           " texels a side take " + megabytes(blocks) + ", which is more than they may take (" + allowed + ")"});
   }
@@ -228,6 +254,7 @@ Status TextureStore::Commit(const DiagnosticSink& sink, bool* changed) {
       residentTiles_.erase(tiles);
     }
     Forget(id);
+    full_.erase(id);
   }
   destroyed_.clear();
   for (auto& [id, texture] : staged_) {
@@ -238,13 +265,14 @@ Status TextureStore::Commit(const DiagnosticSink& sink, bool* changed) {
       texture.format = TexelFormat::Rgba8Unorm;
       texture.texels = {255, 0, 255, 255};
     }
+    full_.try_emplace(id, texture.width, texture.height);
   }
   if (Status s = ReduceToFit(sink, changed); !s) return s;
   for (auto& [id, texture] : staged_) resident_[id] = Layout(texture);
   uint64_t used = 0;
   for (const auto& [id, r] : resident_) used += r.blocks.count;
   const uint64_t held = std::max<uint64_t>(pages.elements(), pages.buffer() ? pages.buffer()->size() / kPageBlockBytes : 0);
-  if (held > std::max(used, BlocksAllowed())) {
+  if (held > std::max(used, BlocksAllowed(limit_))) {
     if (Status s = Compact(); !s) return s;
   }
   for (const auto& [id, tiles] : stagedTiles_) residentTiles_[id] = LayoutTiles(tiles);
@@ -253,7 +281,7 @@ Status TextureStore::Commit(const DiagnosticSink& sink, bool* changed) {
   for (Stream* stream : {&records, &pageTable}) {
     if (Status s = stream->Fit(); !s) return s;
   }
-  if (Status s = pages.Fit(BlocksAllowed()); !s) return s;
+  if (Status s = pages.Fit(BlocksAllowed(limit_)); !s) return s;
   for (auto& [id, texture] : staged_) {
     if (Status s = Upload(id, texture); !s) return s;
     texture = {};

@@ -7,6 +7,7 @@
 #include <map>
 #include <mutex>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "wavefront/base/diagnostics.h"
@@ -30,8 +31,10 @@ class TextureStore {
   void Destroy(TextureId id);
   TextureId CreateTiles(std::vector<TextureTile> tiles);
   // Bytes that all texels together may take on the device; 0: what the device offers. Counts from the next commit on.
-  // What was read coarser stays so until it is created again.
+  // What was read coarser stays so until it is created again: Coarse says for which it would help.
   void SetLimit(uint64_t bytes);
+  // Textures on the device that would be finer under this limit, had all been created anew.
+  std::vector<TextureId> Coarse(uint64_t limit);
 
   Status Commit(const DiagnosticSink& sink, bool* changed);
   uint64_t count() const { return resident_.size(); }
@@ -55,7 +58,10 @@ class TextureStore {
   static uint32_t FirstTexel(const Resident& r, uint32_t page);
   static uint32_t FirstBlock(const Resident& r, uint32_t page);
   Resident Layout(const TextureData& texture);
-  uint64_t BlocksAllowed() const;
+  uint64_t BlocksAllowed(uint64_t limit) const;
+  struct Fitted;
+  // The largest loses its finest level until `blocks`, the sum, is what the limit allows.
+  static void Fit(std::vector<Fitted>& all, uint64_t allowed, uint64_t* blocks);
   Status ReduceToFit(const DiagnosticSink& sink, bool* changed);
   // A resident texture's level as the data of a texture of its own: its levels will be those that follow it now.
   Result<TextureData> ReadBack(const Resident& r, std::size_t level);
@@ -73,6 +79,7 @@ class TextureStore {
   std::map<TextureId, TextureData> staged_;
   std::vector<TextureId> destroyed_;
   std::map<TextureId, Resident> resident_;
+  std::map<TextureId, std::pair<uint32_t, uint32_t>> full_;  // width and height as created
   std::map<TextureId, std::vector<TextureTile>> stagedTiles_;
   std::map<TextureId, TileTable> residentTiles_;
   TextureId next_ = 0;

@@ -37,6 +37,9 @@ class RendererImpl final : public Renderer {
   TextureId CreateTextureTiles(std::vector<TextureTile> tiles) override {
     return scene_->textures.CreateTiles(std::move(tiles));
   }
+  std::vector<TextureId> CoarseTextures(uint64_t textureMemory) override {
+    return scene_->textures.Coarse(textureMemory);
+  }
   void RegisterKernel(MaterialKernelData kernel) override { scene_->materials.RegisterKernel(std::move(kernel)); }
   bool HasKernel(const std::string& key) const override { return scene_->materials.HasKernel(key); }
   void SetMegakernelLinker(MegakernelLinker linker) override { tracer_->megakernel().SetLinker(std::move(linker)); }

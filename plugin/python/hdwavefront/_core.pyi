@@ -250,7 +250,10 @@ class RenderDelegate:
         """Colour spaces whose texels set_texture gets as the file has them. Before pending_textures: what is asked for
         in any of these, or as data, is one image."""
     def pending_textures(self) -> list[TextureRequest]:
-        """Generates dirty materials and says which images are not loaded yet; each once a colour space, by path."""
+        """Generates dirty materials and says which images are not loaded yet, or were read coarser than textureMemory
+        now asks for; each once a colour space, by path. A file is to be decoded once for all of them."""
+    def count_decoded_image(self) -> None:
+        """For each file that is decoded, whatever comes of it; counters tell. Any thread."""
     def set_texture(self, key: int, pixels: Array, *, bottom_up: bool = False) -> None:
         """pixels: (height, width, 4), uint8 (0..255), uint16 (0..65535), float16 or float32, in the rendering colour
         space; row 0 at the top."""
@@ -306,7 +309,7 @@ class RenderDelegate:
         by material kernel its lobes, materials, compile times and cost in the render."""
     def counters(self) -> dict[str, int]:
         """What was done so far: meshesBuilt, meshesUploaded, instancesUploaded, lightsUploaded, camerasUploaded,
-        materialsGenerated, materialsUploaded, kernelsCompiled, texturesUploaded, commits."""
+        materialsGenerated, materialsUploaded, kernelsCompiled, imagesDecoded, texturesUploaded, commits."""
     def diagnostics(self, since: int = 0) -> list[Diagnostic]:
         """Distinct ones in order of arrival, from index `since` on."""
     def explain_material(self, path: str) -> dict[str, Any]:

@@ -9,7 +9,6 @@ import math
 import os
 import time as clock
 from collections.abc import Callable, Iterable, Mapping
-from concurrent.futures import Future, ThreadPoolExecutor
 from typing import Any
 
 import numpy as np
@@ -235,7 +234,9 @@ class Render:
         self._apply_settings(purposes)
         self.timings["translate"] = clock.perf_counter() - begin
         begin = clock.perf_counter()
-        self._load_textures()
+        from .image_io.texture_loading import load_pending
+
+        load_pending(self.delegate, self.colors, self.diagnostics)
         self.timings["textures"] = clock.perf_counter() - begin
         begin = clock.perf_counter()
         with _clear_errors():
@@ -309,35 +310,6 @@ class Render:
                 self.delegate.set_setting(token, value)
             except (ValueError, TypeError) as error:
                 raise UsageError(str(error)) from None
-
-    def _load_textures(self) -> None:
-        """Decodes what is missing: two at a time, so that large images do not pile up."""
-        from .image_io.textures import TextureError, is_tiled, load_texture, load_tiles
-
-        def load(request: Any) -> Any:
-            path, space, colors, diagnostics = request.resolved_path, request.color_space, self.colors, self.diagnostics
-            if is_tiled(path):
-                return load_tiles(path, space, request.is_color, colors, diagnostics, request.location)
-            return load_texture(path, space, request.is_color, colors, diagnostics)
-
-        def hand_over(request: Any, loading: Future[Any]) -> None:
-            try:
-                pixels = loading.result()
-                if isinstance(pixels, dict):
-                    self.delegate.set_texture_tiles(request.key, list(pixels), list(pixels.values()))
-                else:
-                    self.delegate.set_texture(request.key, pixels)
-            except TextureError as error:
-                self.delegate.set_texture_missing(request.key, f"{error}.")
-
-        with ThreadPoolExecutor(2) as pool:
-            waiting: list[tuple[Any, Future[Any]]] = []
-            for request in self.delegate.pending_textures():
-                waiting.append((request, pool.submit(load, request)))
-                if len(waiting) == 2:
-                    hand_over(*waiting.pop(0))
-            for item in waiting:
-                hand_over(*item)
 
     def _take_diagnostics(self) -> None:
         for d in self.delegate.diagnostics(self._seen_diagnostics):

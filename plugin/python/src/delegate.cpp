@@ -113,6 +113,7 @@ void BindDelegate(nb::module_& module) {
   type.def("setting", &GetSetting, "token"_a);
   type.def("set_unconverted_color_spaces", &RenderDelegate::SetUnconvertedColorSpaces, "names"_a);
   type.def("pending_textures", &RenderDelegate::PendingTextures, nb::call_guard<nb::gil_scoped_release>());
+  type.def("count_decoded_image", &RenderDelegate::CountDecodedImage);
   type.def("set_texture", &SetTexture, "key"_a, "pixels"_a, nb::kw_only(), "bottom_up"_a = false);
   type.def("set_texture_tiles", &SetTextureTiles, "key"_a, "numbers"_a, "pixels"_a);
   type.def("set_texture_missing", &SetTextureMissing, "key"_a, "reason"_a);

@@ -101,6 +101,7 @@ nb::dict CountersDict(const RenderDelegate& self) {
   d["materialsGenerated"] = c.materialsGenerated;
   d["materialsUploaded"] = c.materialsUploaded;
   d["kernelsCompiled"] = c.kernelsCompiled;
+  d["imagesDecoded"] = c.imagesDecoded;
   d["texturesUploaded"] = c.texturesUploaded;
   d["commits"] = c.commits;
   return d;

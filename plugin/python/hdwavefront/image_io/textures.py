@@ -2,7 +2,8 @@
 # Copyright the hdWavefront authors
 """Decodes textures for the delegate: RGBA in the rendering colour space, in the precision of the file. uint8 and uint16
 where the file's numbers are the values, half floats where they are converted. Floats stay floats, unless all are halfs
-(those of RGBE files are). Files are read in strips, so that the host never holds more than the result.
+(those of RGBE files are). A file is decoded once for all conversions, in strips, so that the host never holds more than
+the results.
 """
 
 from __future__ import annotations
@@ -12,8 +13,8 @@ import os
 import re
 import tempfile
 import zipfile
-from collections.abc import Callable, Iterator
-from typing import Any
+from collections.abc import Callable, Iterator, Sequence
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -30,17 +31,23 @@ class TextureError(Exception):
     """Why an image cannot be used; the text goes into a diagnostic that names prim and file."""
 
 
-def load_texture(
-    path: str, color_space: str, is_color: bool, colors: ColorManager, diagnostics: Diagnostics
-) -> np.ndarray:
-    """(height, width, 4) uint8, uint16, float16 or float32, row 0 at the top. TextureError where the file is
-    no use.
+class Conversion(NamedTuple):
+    """color_space: raw, sRGB, auto, a space's name, or empty, which is auto. Data are never converted."""
 
-    `color_space`: raw, sRGB, auto, a space's name, or empty, which is auto. Grey images fill red, green and blue; a
-    second channel is alpha, as UsdUVTexture has it.
+    color_space: str
+    is_color: bool
+
+
+def load_texture(
+    path: str, conversions: Sequence[Conversion], colors: ColorManager, diagnostics: Diagnostics
+) -> list[np.ndarray]:
+    """By conversion: (height, width, 4) uint8, uint16, float16 or float32, row 0 at the top; the same array for those
+    that are the same for this file. TextureError where the file is no use. It is decoded once.
+
+    Grey images fill red, green and blue; a second channel is alpha, as UsdUVTexture has it.
     """
     if os.path.exists(path):
-        return _load_file(path, color_space, is_color, colors, diagnostics)
+        return _load_file(path, conversions, colors, diagnostics)
     data = _package_bytes(path)
     if data is None:
         raise TextureError("the file does not exist or cannot be read")
@@ -48,7 +55,7 @@ def load_texture(
     with tempfile.NamedTemporaryFile(suffix=suffix) as file:
         file.write(data)
         file.flush()
-        return _load_file(file.name, color_space, is_color, colors, diagnostics)
+        return _load_file(file.name, conversions, colors, diagnostics)
 
 
 TILE_TOKENS = ("<UDIM>", "<UVTILE>")
@@ -100,35 +107,13 @@ def _files_in_package(package: str, folder: str) -> list[str]:
     return [os.path.basename(name) for name in names if os.path.dirname(name) == folder]
 
 
-def load_tiles(
-    pattern: str, color_space: str, is_color: bool, colors: ColorManager, diagnostics: Diagnostics, location: str
-) -> dict[int, np.ndarray]:
-    """Tiles by UDIM number. Those that cannot be used, or lie between others and are not there, are said once, at
-    `location`: the node that asked.
-    """
-    files = tile_files(pattern)
-    if not files:
-        raise TextureError("no tile of the pattern exists")
-    tiles: dict[int, np.ndarray] = {}
-    reasons: list[str] = []
-    for tile, file in files.items():
-        try:
-            tiles[tile] = load_texture(file, color_space, is_color, colors, diagnostics)
-        except TextureError as error:
-            reasons.append(f"{tile}: {error}")
-    if not tiles:
-        raise TextureError(f"no tile can be used ({'; '.join(reasons)})")
-    columns = {(tile - 1001) % 10 for tile in files}
-    rows = {(tile - 1001) // 10 for tile in files}
+def missing_tiles(tiles: Sequence[int]) -> str:
+    """Those between the outermost ones that are not among them, as text for a diagnostic; empty: none."""
+    columns = {(tile - 1001) % 10 for tile in tiles}
+    rows = {(tile - 1001) // 10 for tile in tiles}
     box = {1001 + u + 10 * v for u in range(min(columns), max(columns) + 1) for v in range(min(rows), max(rows) + 1)}
-    missing = sorted(box - set(files))
-    if missing:
-        more = ", and more" if len(missing) > 8 else ""
-        reasons.append(f"there is no file for {', '.join(map(str, missing[:8]))}{more}")
-    if reasons:
-        text = f'Tiles of the texture "{pattern}" show the fallback value: {"; ".join(reasons)}.'
-        diagnostics.warning("texture-tiles-missing", location, text)
-    return tiles
+    missing = sorted(box - set(tiles))
+    return ", ".join(map(str, missing[:8])) + (", and more" if len(missing) > 8 else "")
 
 
 def _package_bytes(path: str) -> Any:
@@ -141,8 +126,8 @@ def _package_bytes(path: str) -> Any:
 
 
 def _load_file(
-    path: str, color_space: str, is_color: bool, colors: ColorManager, diagnostics: Diagnostics
-) -> np.ndarray:
+    path: str, conversions: Sequence[Conversion], colors: ColorManager, diagnostics: Diagnostics
+) -> list[np.ndarray]:
     import OpenImageIO as oiio
 
     config = oiio.ImageSpec()
@@ -155,56 +140,92 @@ def _load_file(
         if not (0 < spec.width <= _MAX_SIDE and 0 < spec.height <= _MAX_SIDE):
             raise TextureError(f"its size {spec.width} x {spec.height} is not within 1..{_MAX_SIDE} a side")
         channels = _choose_channels(list(spec.channelnames))
-        space = _resolve_space(spec, color_space, is_color, len(channels), oiio)
-        try:
-            processor = colors.to_rendering(space)
-        except LookupError:
-            diagnostics.warning(
-                "texture-color-space", path, f"the colour space '{space}' is unknown; the values are taken as they are"
-            )
-            processor = None
-        is_bytes = spec.format.basetype == oiio.UINT8
-        table = _byte_table(processor) if is_bytes and processor is not None else None
-        if table is not None:
-            return _through_table(source, spec, channels, table, oiio)
-        pixels, clipped = _through_processor(source, spec, channels, processor, oiio)
-        if clipped:
+        spaces = [_resolve_space(spec, *conversion, len(channels), oiio) for conversion in conversions]
+        targets: dict[str, _Table | _Values] = {}
+        for space in spaces:
+            if space.lower() not in targets:
+                targets[space.lower()] = _target(path, space, spec, colors, diagnostics, oiio)
+        as_stored = spec.format.basetype in (oiio.UINT8, oiio.UINT16, oiio.HALF)
+        for begin, strip in _strips(source, spec, channels, spec.format.basetype if as_stored else oiio.FLOAT):
+            for target in targets.values():
+                target.take(begin, strip)
+        if any(target.clipped for target in targets.values()):
             text = f"values beyond {_HALF_MAX:.0f} (of floats: infinite ones), or that are no numbers, were clipped"
             diagnostics.info("texture-clipped", path, text)
-        return pixels
+        return [targets[space.lower()].pixels for space in spaces]
     finally:
         source.close()
 
 
-def _through_processor(
-    source: Any, spec: Any, channels: list[int], processor: Any, oiio: Any
-) -> tuple[np.ndarray, bool]:
-    """(pixels, whether any were clipped)"""
-    stored = spec.format.basetype
-    as_is = {oiio.UINT8: np.uint8, oiio.UINT16: np.uint16, oiio.HALF: np.float16}
-    dtype: Any = as_is.get(stored) if processor is None else None
-    kind = stored if dtype is not None else oiio.FLOAT
-    is_float = stored in (oiio.FLOAT, oiio.DOUBLE, oiio.UINT32, oiio.INT32)
-    pixels = np.empty((spec.height, spec.width, 4), dtype=dtype or np.float16)
-    clipped = False
-    for begin, strip in _strips(source, spec, channels, kind):
-        target = pixels[begin : begin + len(strip)]
-        if dtype is not None:
-            _expand(strip, target, np.iinfo(dtype).max if target.dtype.kind == "u" else 1)
-            clipped |= dtype == np.float16 and _clip_halves(target)
-            continue
+def _target(
+    path: str, space: str, spec: Any, colors: ColorManager, diagnostics: Diagnostics, oiio: Any
+) -> _Table | _Values:
+    try:
+        processor = colors.to_rendering(space)
+    except LookupError:
+        diagnostics.warning(
+            "texture-color-space", path, f"the colour space '{space}' is unknown; the values are taken as they are"
+        )
+        processor = None
+    if spec.format.basetype == oiio.UINT8 and processor is not None:
+        table = _byte_table(processor)
+        if table is not None:
+            return _Table(spec, table)
+    return _Values(spec, processor, oiio)
+
+
+class _Values:
+    """The texels of one conversion: as they are in the file, or through the processor."""
+
+    def __init__(self, spec: Any, processor: Any, oiio: Any) -> None:
+        stored = spec.format.basetype
+        as_is: dict[Any, Any] = {oiio.UINT8: np.uint8, oiio.UINT16: np.uint16, oiio.HALF: np.float16}
+        self._processor = processor
+        self._dtype = as_is.get(stored) if processor is None else None
+        self._is_float = stored in (oiio.FLOAT, oiio.DOUBLE, oiio.UINT32, oiio.INT32)
+        self.pixels = np.empty((spec.height, spec.width, 4), dtype=self._dtype or np.float16)
+        self.clipped = False
+
+    def take(self, begin: int, strip: np.ndarray) -> None:
+        target = self.pixels[begin : begin + len(strip)]
+        if self._dtype is not None:
+            _expand(strip, target, np.iinfo(self._dtype).max if target.dtype.kind == "u" else 1)
+            self.clipped |= self._dtype == np.float16 and _clip_halves(target)
+            return
         rgba = np.empty(target.shape, dtype=np.float32)
-        _expand(strip, rgba, 1)
-        if processor is not None:
-            processor.applyRGBA(rgba)
-        clipped |= _clip_floats(rgba, _FLOAT_MAX if is_float else _HALF_MAX)
+        _expand(_as_floats(strip), rgba, 1)
+        if self._processor is not None:
+            self._processor.applyRGBA(rgba)
+        self.clipped |= _clip_floats(rgba, _FLOAT_MAX if self._is_float else _HALF_MAX)
         with np.errstate(over="ignore"):
             halfs = rgba.astype(np.float16)
-        if is_float and pixels.dtype == np.float16 and (halfs != rgba).any():
-            pixels = pixels.astype(np.float32)  # what is there already is exact
-            target = pixels[begin : begin + len(strip)]
-        target[...] = halfs if pixels.dtype == np.float16 else rgba
-    return pixels, clipped
+        if self._is_float and self.pixels.dtype == np.float16 and (halfs != rgba).any():
+            self.pixels = self.pixels.astype(np.float32)  # what is there already is exact
+            target = self.pixels[begin : begin + len(strip)]
+        target[...] = halfs if self.pixels.dtype == np.float16 else rgba
+
+
+def _as_floats(strip: np.ndarray) -> np.ndarray:
+    """0..1, to the bit as OpenImageIO reads such files as floats."""
+    if strip.dtype.kind == "u":
+        return strip.astype(np.float32) * np.float32(1 / np.iinfo(strip.dtype).max)
+    return strip.astype(np.float32, copy=False)
+
+
+class _Table:
+    """The texels of a conversion of bytes that goes by a table."""
+
+    def __init__(self, spec: Any, table: np.ndarray) -> None:
+        self._table = table
+        self._alpha = (np.arange(256, dtype=np.float32) / 255).astype(np.float16)
+        self.pixels = np.empty((spec.height, spec.width, 4), dtype=np.float16)
+        self.clipped = False
+
+    def take(self, begin: int, strip: np.ndarray) -> None:
+        target = self.pixels[begin : begin + len(strip)]
+        colors = 1 if strip.shape[2] <= 2 else 3
+        target[..., :3] = self._table[strip[..., :colors]]
+        target[..., 3] = self._alpha[strip[..., -1]] if strip.shape[2] in (2, 4) else 1
 
 
 def _byte_table(processor: Any) -> np.ndarray | None:
@@ -218,17 +239,6 @@ def _byte_table(processor: Any) -> np.ndarray | None:
     if not np.allclose(mixed[..., :3], expected, rtol=1e-4, atol=1e-6):
         return None
     return grey[0, :, 0].astype(np.float16)
-
-
-def _through_table(source: Any, spec: Any, channels: list[int], table: np.ndarray, oiio: Any) -> np.ndarray:
-    pixels = np.empty((spec.height, spec.width, 4), dtype=np.float16)
-    alpha = (np.arange(256, dtype=np.float32) / 255).astype(np.float16)
-    for begin, strip in _strips(source, spec, channels, oiio.UINT8):
-        target = pixels[begin : begin + len(strip)]
-        colors = 1 if strip.shape[2] <= 2 else 3
-        target[..., :3] = table[strip[..., :colors]]
-        target[..., 3] = alpha[strip[..., -1]] if strip.shape[2] in (2, 4) else 1
-    return pixels
 
 
 def _first_line(text: str) -> str:
