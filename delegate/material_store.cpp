@@ -49,7 +49,7 @@ wavefront::KernelCode CompileEntry(const materialgen::KernelSource& source, wave
     code.spirv = std::move(*kept);
     code.fromCache = true;
   } else {
-    code.spirv = materialgen::CompileGlsl(text, source.key, &code.error);
+    code.spirv = materialgen::OptimizeSpirv(materialgen::CompileGlsl(text, source.key, &code.error));
     cache.Store(text, code.spirv);
     if (const std::string trouble = cache.trouble(); !trouble.empty() && sink)
       sink({wavefront::Severity::Info, "kernel-cache-unusable", cache.folder(),

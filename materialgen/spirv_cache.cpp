@@ -2,6 +2,7 @@
 // Copyright the hdWavefront authors
 #include "materialgen/spirv_cache.h"
 
+#include <spirv-tools/libspirv.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -40,7 +41,9 @@ uint64_t Checksum(const std::vector<uint32_t>& words) {  // FNV-1a
 // Everything but the source that the SPIR-V depends on.
 const std::string& Version() {
   static const std::string version =
-      std::string(GeneratorVersion()) + "\nglslang " HDWAVEFRONT_GLSLANG_VERSION "\n" + HashOf(EmbeddedGlslText());
+      std::string(GeneratorVersion()) + "\nglslang " HDWAVEFRONT_GLSLANG_VERSION "\n" + spvSoftwareVersionString() +
+      "\n" HDWAVEFRONT_SPIRV_PASSES "\n" +
+      HashOf(EmbeddedGlslText());
   return version;
 }
 

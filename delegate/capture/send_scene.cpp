@@ -20,7 +20,7 @@ KernelCode CodeOf(const CapturedKernel& kernel, KernelEntry entry, bool sameGlsl
   if (sameGlsl && !kernel.spirv[e].empty()) return {kernel.spirv[e], {}, 0, true};
   const auto start = std::chrono::steady_clock::now();
   KernelCode code;
-  code.spirv = materialgen::CompileGlsl(kernel.glsl[e], kernel.key, &code.error);
+  code.spirv = materialgen::OptimizeSpirv(materialgen::CompileGlsl(kernel.glsl[e], kernel.key, &code.error));
   code.milliseconds = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
   return code;
 }

@@ -7,7 +7,11 @@ find_program(HDWAVEFRONT_GLSLANG NAMES glslangValidator glslang)
 if(NOT HDWAVEFRONT_GLSLANG)
   message(FATAL_ERROR "glslangValidator is missing: install glslang-tools.")
 endif()
-mark_as_advanced(HDWAVEFRONT_GLSLANG)
+find_program(HDWAVEFRONT_SPIRV_OPT NAMES spirv-opt)
+if(NOT HDWAVEFRONT_SPIRV_OPT)
+  message(FATAL_ERROR "spirv-opt is missing: install spirv-tools.")
+endif()
+mark_as_advanced(HDWAVEFRONT_GLSLANG HDWAVEFRONT_SPIRV_OPT)
 
 # hdwavefront_compile_kernels(out): sets `out` to the generated sources: one per kernel and the table that
 # wavefront/scheduler/kernel_spirv.h declares.
@@ -25,12 +29,14 @@ function(hdwavefront_compile_kernels out)
     get_filename_component(name "${kernel}" NAME_WE)
     set(spv "${outDir}/${name}.spv")
     set(source "${outDir}/${name}.cpp")
+    # Optimised here, once: drivers do the same at each start, and lavapipe keeps nothing of it. The passes: materialgen/optimize_spirv.cpp.
     add_custom_command(
       OUTPUT "${spv}"
       COMMAND "${HDWAVEFRONT_GLSLANG}" --quiet -V --target-env vulkan1.3 "$<$<CONFIG:Debug>:-g>"
               "-I${kernelDir}" "-I${PROJECT_SOURCE_DIR}/wavefront" "-I${PROJECT_SOURCE_DIR}"
               --depfile "${spv}.d" -o "${spv}" "${kernel}"
-      DEPENDS "${kernel}"
+      COMMAND "${HDWAVEFRONT_SPIRV_OPT}" "$<$<NOT:$<CONFIG:Debug>>:-Oconfig=${kernelDir}/spirv_passes.txt>" "${spv}" -o "${spv}"
+      DEPENDS "${kernel}" "${kernelDir}/spirv_passes.txt"
       DEPFILE "${spv}.d"
       COMMENT "Kernel ${name}"
       COMMAND_EXPAND_LISTS

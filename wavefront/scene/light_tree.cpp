@@ -18,6 +18,9 @@ constexpr double kPi = std::numbers::pi;
 constexpr int kBins = 12;
 constexpr std::size_t kDeepest = 32;        // bits of a trail
 constexpr std::size_t kOrientedBelow = 4096; // nodes of more lights are split by place alone: cones cost trigonometry
+// How many nodes are worth a search for their best split. Of the lights of a finely cut mesh, those of a node beyond are
+// neighbours of one size and one direction: halving them is as good, and a million lights are sorted in half a second.
+constexpr std::size_t kSearched = 8192;
 
 using Vector = std::array<double, 3>;
 double Dot(const Vector& a, const Vector& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
@@ -34,6 +37,7 @@ struct Cluster {
   Vector min{1e300, 1e300, 1e300}, max{-1e300, -1e300, -1e300};
   Vector axis{0, 0, 1};
   double normals = 0, emission = 0, power = 0;
+  double cosNormals = 1;  // of `normals`
   bool twoSided = false;
 };
 
@@ -41,6 +45,7 @@ Cluster Of(const LightBounds& l) {
   Cluster c;
   for (std::size_t i = 0; i < 3; ++i) { c.min[i] = l.min[i]; c.max[i] = l.max[i]; c.axis[i] = l.axis[i]; }
   c.normals = l.normals;
+  c.cosNormals = l.normals > 0 ? std::cos(c.normals) : 1;
   c.emission = l.emission;
   c.power = l.power;
   c.twoSided = l.twoSided;
@@ -53,11 +58,13 @@ void JoinCones(Cluster* a, const Cluster& b) {
   const bool flips = b.twoSided && Dot(a->axis, axis) < 0;  // a two-sided light has no preferred side
   if (flips) axis = {-axis[0], -axis[1], -axis[2]};
   if (a->twoSided && !b.twoSided && Dot(a->axis, axis) < 0) a->axis = {-a->axis[0], -a->axis[1], -a->axis[2]};
+  if (b.normals == 0 && Dot(a->axis, axis) >= a->cosNormals) return;  // most triangles; saves the angle
   const double between = Angle(a->axis, axis);
   if (std::min(between + b.normals, kPi) <= a->normals) return;
   if (std::min(between + a->normals, kPi) <= b.normals) {
     a->axis = axis;
     a->normals = b.normals;
+    a->cosNormals = b.cosNormals;
     return;
   }
   const double half = 0.5 * (a->normals + between + b.normals);
@@ -65,6 +72,7 @@ void JoinCones(Cluster* a, const Cluster& b) {
   const double length = std::sqrt(Dot(turn, turn));
   if (half >= kPi || !(length > 0)) {
     a->normals = kPi;
+    a->cosNormals = -1;
     return;
   }
   const Vector k{turn[0] / length, turn[1] / length, turn[2] / length};
@@ -72,6 +80,7 @@ void JoinCones(Cluster* a, const Cluster& b) {
   const Vector side = Cross(k, a->axis);  // the axis is perpendicular to k
   for (std::size_t i = 0; i < 3; ++i) a->axis[i] = c * a->axis[i] + s * side[i];
   a->normals = half;
+  a->cosNormals = std::cos(half);
 }
 
 void Join(Cluster* a, const Cluster& b) {
@@ -86,8 +95,8 @@ void Join(Cluster* a, const Cluster& b) {
 
 // The measure of directions that a cluster may send light to (Conty Estevez and Kulla 2018, section 4.4).
 double OrientationMeasure(const Cluster& c) {
-  const double o = c.normals, w = std::min(o + c.emission, kPi);
-  return 2 * kPi * (1 - std::cos(o)) + 0.5 * kPi * (2 * w * std::sin(o) - std::cos(o - 2 * w) - 2 * o * std::sin(o) + std::cos(o));
+  const double o = c.normals, w = std::min(o + c.emission, kPi), cosine = c.cosNormals, sine = std::sin(o);
+  return 2 * kPi * (1 - cosine) + 0.5 * kPi * (2 * (w - o) * sine - std::cos(o - 2 * w) + cosine);
 }
 double Area(const Cluster& c) {
   const double x = c.max[0] - c.min[0], y = c.max[1] - c.min[1], z = c.max[2] - c.min[2];
@@ -136,7 +145,7 @@ class Builder {
     w[3] = std::bit_cast<uint32_t>(static_cast<float>(0.5 * std::sqrt(Dot(d, d)) * (1 + 1e-6)));
     w[4] = PackAxis(c.axis);
     // Rounded towards wider cones.
-    w[5] = Fixed16(0.5 + 0.5 * std::cos(c.normals)) | Fixed16(0.5 + 0.5 * std::cos(c.emission)) << 16;
+    w[5] = Fixed16(0.5 + 0.5 * c.cosNormals) | Fixed16(0.5 + 0.5 * std::cos(c.emission)) << 16;
     w[6] = std::bit_cast<uint32_t>(static_cast<float>(c.power));
     w[7] = reference | (c.twoSided ? layout::kLightNodeTwoSided : 0u);
   }
@@ -170,7 +179,7 @@ class Builder {
     for (std::size_t a = 1; a < 3; ++a) if (high[a] - low[a] > high[longest] - low[longest]) longest = a;
     // From here on only halving keeps every trail within its bits.
     const std::size_t levels = static_cast<std::size_t>(std::bit_width(count - 1));
-    const bool halve = depth + levels >= kDeepest || !(high[longest] > low[longest]);
+    const bool halve = depth + levels >= kDeepest || !(high[longest] > low[longest]) || count == 2 || count * kSearched <= order_.size();
 
     double best = std::numeric_limits<double>::infinity();
     std::size_t bestAxis = longest;
@@ -185,12 +194,18 @@ class Builder {
       const double flat = 1e-6 * extent * extent;
       std::array<double, kBins> above{};
       Cluster sum;
-      for (int b = kBins - 1; b > 0; --b) { Join(&sum, bins[static_cast<std::size_t>(b)]); above[static_cast<std::size_t>(b)] = Cost(sum, flat, oriented); }
+      double right = 0;
+      for (std::size_t b = kBins - 1; b > 0; --b) {
+        if (bins[b].power > 0) { Join(&sum, bins[b]); right = Cost(sum, flat, oriented); }
+        above[b] = right;
+      }
       sum = {};
       for (int b = 0; b + 1 < kBins; ++b) {
-        Join(&sum, bins[static_cast<std::size_t>(b)]);
-        const double right = above[static_cast<std::size_t>(b) + 1];
-        if (sum.power == 0 || right == 0) continue;
+        const Cluster& bin = bins[static_cast<std::size_t>(b)];
+        if (bin.power == 0) continue;  // the same two sides as one bin before
+        Join(&sum, bin);
+        right = above[static_cast<std::size_t>(b) + 1];
+        if (right == 0) continue;
         // Long boxes are not to be cut into longer ones.
         const double cost = extent / (high[a] - low[a]) * (Cost(sum, flat, oriented) + right);
         if (cost < best) { best = cost; bestAxis = a; bestBin = b; }
@@ -210,7 +225,7 @@ class Builder {
 
   Cluster Light(uint32_t light, bool oriented) const {
     Cluster c = Of(lights_[light]);
-    if (!oriented) { c.axis = {0, 0, 1}; c.normals = kPi; }  // then joining cones costs nothing
+    if (!oriented) { c.axis = {0, 0, 1}; c.normals = kPi; c.cosNormals = -1; }  // then joining cones costs nothing
     return c;
   }
   std::size_t Bin(uint32_t light, std::size_t axis, double low, double high) const {

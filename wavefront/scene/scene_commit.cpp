@@ -148,7 +148,8 @@ void SceneStore::SetLightSampling(LightSampling sampling) {
   lightSampling_ = sampling;
 }
 
-Status SceneStore::Commit(uint32_t threads, const DiagnosticSink& sink, const GeometryStore::Displace& displace, bool* changed) {
+Status SceneStore::Commit(uint32_t threads, const DiagnosticSink& sink, const GeometryStore::Displace& displace, const std::function<void()>& used,
+                          bool* changed) {
   bool texturesChanged = false, meshesChanged = false, valuesChanged = false, bindingsChanged = false;
   if (Status s = textures.Commit(sink, &texturesChanged); !s) return s;
   if (Status s = geometry.Commit(threads, sink, displace, &meshesChanged); !s) return s;
@@ -159,7 +160,7 @@ Status SceneStore::Commit(uint32_t threads, const DiagnosticSink& sink, const Ge
   if (!rebuild) return {};
   // Dirty until it succeeds: a commit that failed half-way is tried again as a whole.
   instancesDirty_ = true;
-  Status s = RebuildInstances(threads, sink);
+  Status s = RebuildInstances(threads, sink, used);
   if (s) instancesDirty_ = lightsDirty_ = false;
   return s;
 }
@@ -216,12 +217,13 @@ struct SceneStore::Rebuild {
   std::vector<Bounds3> bounds;
 };
 
-Status SceneStore::RebuildInstances(uint32_t threads, const DiagnosticSink& sink) {
+Status SceneStore::RebuildInstances(uint32_t threads, const DiagnosticSink& sink, const std::function<void()>& used) {
   ReleaseRanges();
   Rebuild b;
   PlanGroups(b);
   PlaceInstancePrimvars(b);
   MakeBindings(b);
+  used();
   ChooseOrigin(b);
   if (Status s = GatherEmission(b); !s) return s;
   std::vector<LightData> lights;

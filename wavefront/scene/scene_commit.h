@@ -3,6 +3,7 @@
 // The scene as kernels see it: gathers the stores, orders everything by path, and rebuilds what depends on a change.
 #pragma once
 
+#include <functional>
 #include <map>
 #include <mutex>
 
@@ -41,8 +42,10 @@ class SceneStore {
   MaterialTable materials;
 
   // Makes staged edits real; `changed`: the image may differ. No submitted work may run. `displace`: as GeometryStore's;
-  // it finds the textures on the device.
-  Status Commit(uint32_t threads, const DiagnosticSink& sink, const GeometryStore::Displace& displace, bool* changed);
+  // it finds the textures on the device. `used`: called when buckets and usedBuckets() are those of the new scene, long before
+  // the rest of it is: their kernels can be compiled meanwhile.
+  Status Commit(uint32_t threads, const DiagnosticSink& sink, const GeometryStore::Displace& displace, const std::function<void()>& used,
+                bool* changed);
   Status Bind(vulkan::DescriptorSet& set);
   const SceneFacts& facts() const { return facts_; }
   // By bucket number less kFirstMaterialBucket: does any instance of the committed scene use it?
@@ -51,7 +54,7 @@ class SceneStore {
  private:
   // The rebuild of everything that depends on instances, bindings and lights, step by step.
   struct Rebuild;
-  Status RebuildInstances(uint32_t threads, const DiagnosticSink& sink);
+  Status RebuildInstances(uint32_t threads, const DiagnosticSink& sink, const std::function<void()>& used);
   void ReleaseRanges();
   void PlanGroups(Rebuild& b);
   void PlaceInstancePrimvars(Rebuild& b);

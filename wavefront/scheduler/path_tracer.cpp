@@ -122,12 +122,13 @@ Status PathTracer::Configure(const RenderSettings& settings, const CameraData& c
     runs_.clear();
     return megakernel_.WarmUp(*kernels_, *stream_, *set_);
   }
-  // Ordered first: they compile while the fixed ones are warmed up.
-  kernels_->Order(scene.materials.buckets(), scene.usedBuckets(), threads);
+  OrderKernels(scene, threads);  // they compile while the fixed ones are warmed up
   runs_.assign(scene.materials.buckets().size(), {});
   costsMeasured_ = false;
   return kernels_->WarmUpFixed(facts_.hasMedia, *stream_, *set_);
 }
+
+void PathTracer::OrderKernels(const SceneStore& scene, unsigned threads) { kernels_->Order(scene.materials.buckets(), scene.usedBuckets(), threads); }
 
 // The megakernel where it is asked for and can be had; else the wavefront loop.
 Status PathTracer::ChooseMode(SceneStore& scene, const DiagnosticSink& sink) {

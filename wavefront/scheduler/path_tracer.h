@@ -46,6 +46,8 @@ class PathTracer {
   static Result<std::unique_ptr<PathTracer>> Create(vulkan::Device& device);
   ~PathTracer();
 
+  // Kernels that the scene's used buckets lack are compiled from now on. Nothing may run; before Configure, or by it.
+  void OrderKernels(const SceneStore& scene, unsigned threads);
   KernelRegistry& kernels() { return *kernels_; }
   Megakernel& megakernel() { return megakernel_; }
   ExecutionMode executionMode() const { return mode_; }  // as the last Configure could have it

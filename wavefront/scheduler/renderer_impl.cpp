@@ -120,12 +120,17 @@ Status RendererImpl::Commit() {
   if (Status s = tracer_->Drain(); !s) return s;
   const unsigned threads = options_.threads != 0 ? options_.threads : DefaultThreadCount();
   bool changed = false;
+  ExecutionMode staged;
   {
     std::lock_guard lock(stagingMutex_);
+    staged = stagedSettings_.executionMode;
     scene_->textures.SetLimit(stagedSettings_.textureMemory);
   }
   const auto displace = [this](MeshData& mesh) { return displacer_->Displace(mesh, options_.diagnostics); };
-  if (Status s = scene_->Commit(threads, options_.diagnostics, displace, &changed); !s) return s;
+  const auto compile = [&] {
+    if (staged == ExecutionMode::Wavefront) tracer_->OrderKernels(*scene_, threads);
+  };
+  if (Status s = scene_->Commit(threads, options_.diagnostics, displace, compile, &changed); !s) return s;
   {
     std::lock_guard lock(stagingMutex_);
     changed = changed || cameraDirty_ || settingsDirty_ || !configured_;

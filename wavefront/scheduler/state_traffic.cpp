@@ -19,7 +19,7 @@ enum BindingNumber : uint32_t {
 constexpr uint32_t kMagic = 0x07230203, kHeaderWords = 5;
 enum Op : uint32_t {
   kOpEntryPoint = 15, kOpConstantTrue = 41, kOpConstantFalse = 42, kOpFunction = 54, kOpFunctionEnd = 56, kOpFunctionCall = 57,
-  kOpLoad = 61, kOpStore = 62, kOpAccessChain = 65, kOpDecorate = 71, kOpLoopMerge = 246, kOpLabel = 248, kOpBranch = 249,
+  kOpLoad = 61, kOpStore = 62, kOpAccessChain = 65, kOpDecorate = 71, kOpImageFetch = 95, kOpLoopMerge = 246, kOpLabel = 248, kOpBranch = 249,
   kOpBranchConditional = 250, kOpSwitch = 251
 };
 constexpr uint32_t kDecorationBinding = 33;
@@ -50,7 +50,8 @@ class Module {
 
   bool valid_ = false;
   uint32_t entry_ = 0;
-  std::unordered_set<uint32_t> read_, written_, elements_;  // variables of the two bindings; pointers into the second
+  std::unordered_set<uint32_t> read_, written_;     // variables of the two bindings
+  std::unordered_set<uint32_t> images_, elements_;  // the first, loaded; pointers into the second
   std::unordered_map<uint32_t, bool> constants_;
   std::unordered_map<uint32_t, Function> functions_;
   std::unordered_map<uint32_t, StateTraffic> known_;
@@ -82,7 +83,8 @@ bool Module::Read(std::span<const uint32_t> spirv) {
         function_->blocks.emplace_back();
         break;
       case kOpFunctionCall: block.calls.push_back(word(3)); break;
-      case kOpLoad: block.own.chunksRead += static_cast<uint32_t>(read_.count(word(3))); break;
+      case kOpLoad: if (read_.count(word(3))) images_.insert(word(2)); break;
+      case kOpImageFetch: block.own.chunksRead += static_cast<uint32_t>(images_.count(word(3))); break;
       case kOpAccessChain: if (written_.count(word(3))) elements_.insert(word(2)); break;
       case kOpStore: block.own.chunksWritten += static_cast<uint32_t>(elements_.count(word(1))); break;
       case kOpLoopMerge: block.loopMerge = word(1); break;

@@ -19,7 +19,7 @@ void Add(std::vector<uint32_t>& module, uint32_t op, std::initializer_list<uint3
   module.insert(module.end(), operands);
 }
 
-// main (10) stores one element and calls f (20) twice; f loads the texel view once and stores one element. Variable 1 is
+// main (10) stores one element and calls f (20) twice; f fetches one texel and stores one element. Variable 1 is
 // path state as it is written (binding 1), 2 as it is read (binding 2), 3 another storage buffer.
 std::vector<uint32_t> Module() {
   std::vector<uint32_t> m = {0x07230203, 0x00010300, 0, 100, 0};
@@ -30,6 +30,7 @@ std::vector<uint32_t> Module() {
   Add(m, 54, {90, 20, 0, 91});
   Add(m, 248, {60});
   Add(m, 61, {92, 30, 2});
+  Add(m, 95, {94, 36, 30, 40});
   Add(m, 65, {93, 31, 1, 40});
   Add(m, 62, {31, 30});
   Add(m, 65, {93, 32, 3, 40});
@@ -45,6 +46,7 @@ std::vector<uint32_t> Module() {
   Add(m, 54, {90, 50, 0, 91});  // nobody calls it
   Add(m, 248, {62});
   Add(m, 61, {92, 51, 2});
+  Add(m, 95, {94, 52, 51, 40});
   Add(m, 56, {});
   return m;
 }
@@ -63,10 +65,11 @@ std::vector<uint32_t> Branches() {
   Add(m, 71, {1, 33, 1});
   Add(m, 71, {2, 33, 2});
   Add(m, 42, {95, 96});  // false
-  const auto load = [&] { Add(m, 61, {92, 30, 2}); };
+  const auto load = [&] { Add(m, 95, {94, 36, 30, 40}); };
   const auto store = [&] { Add(m, 65, {93, 31, 1, 40}); Add(m, 62, {31, 30}); };
   Add(m, 54, {90, 10, 0, 91});
   Add(m, 248, {69});
+  Add(m, 61, {92, 30, 2});  // the texel view, once for all: it moves nothing
   Add(m, 249, {70});
   Add(m, 248, {70});
   Add(m, 246, {73, 72, 0});
