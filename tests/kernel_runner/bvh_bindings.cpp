@@ -42,14 +42,14 @@ nb::tuple BoundsToTuple(const Bounds3& b) {
 }
 
 nb::tuple BuildMesh(const FloatArray& positions, const IndexArray& triangles, const SlotArray& slots,
-                    unsigned threads) {
+                    unsigned threads, bool spatialSplits) {
   if (slots.shape(0) != 0 && slots.shape(0) != triangles.shape(0)) throw nb::value_error("one slot per triangle");
   bvh::MeshBvh mesh;
   {
     nb::gil_scoped_release unlocked;
     mesh = bvh::BuildMeshBvh({reinterpret_cast<const Float3*>(positions.data()), positions.shape(0)},
                              {reinterpret_cast<const UInt3*>(triangles.data()), triangles.shape(0)},
-                             {slots.data(), slots.shape(0)}, {threads});
+                             {slots.data(), slots.shape(0)}, {threads, spatialSplits});
   }
   return nb::make_tuple(ToArray<bvh::BvhNode4, uint32_t>(mesh.nodes, 4),
                         ToArray<bvh::TriangleRecord, float>(mesh.triangles, 4), BoundsToTuple(mesh.bounds),
@@ -84,7 +84,7 @@ nb::tuple LightShapeBounds(uint32_t kind) {
 void bindBvh(nb::module_& module) {
   static_assert(sizeof(Float3) == 12 && sizeof(UInt3) == 12 && sizeof(Bounds3) == 24 && sizeof(bvh::Rows3x4) == 48);
   module.def("build_mesh_bvh", &BuildMesh, nb::arg("positions"), nb::arg("triangles"), nb::arg("slots"),
-             nb::arg("threads") = 0,
+             nb::arg("threads") = 0, nb::arg("spatial_splits") = true,
              "Node texels (uint32, 4 a row), triangle texels (float32, 4 a row), (low, high), broken triangles.");
   module.def("build_instance_bvh", &BuildInstances, nb::arg("lows"), nb::arg("highs"),
              "Node texels of the tree over instances, and how many were skipped.");

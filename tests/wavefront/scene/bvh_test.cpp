@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the hdWavefront authors
-// What the BVH builder promises: every item in exactly one leaf, boxes that hold their children exactly, bounded
-// stack, the same bytes on any number of threads, and no harm from broken or absurd input.
+// What the BVH builder promises: every item in exactly one leaf or, cut by spatial splits, held by several leaves
+// together, boxes that hold their children exactly, bounded stack, the same bytes on any number of threads, and no harm from broken or absurd input.
 #include "wavefront/scene/bvh/bvh.h"
 
 #include <gtest/gtest.h>
@@ -154,11 +154,103 @@ void CheckMesh(const Soup& soup, const MeshBvh& mesh, size_t inTree) {
   }
 }
 
-void BuildAndCheck(const Soup& soup, size_t inTree) {
-  CheckMesh(soup, BuildMeshBvh(soup.positions, soup.triangles, {}), inTree);
+// The boxes that a ray has to meet to test each triangle: a row for each leaf that it stands in.
+std::vector<std::vector<Box>> BoxesOnTheWay(const MeshBvh& mesh, size_t triangles) {
+  std::vector<std::vector<Box>> result(triangles);
+  const std::function<void(uint32_t, const Box&)> walk = [&](uint32_t index, const Box& above) {
+    const BvhNode4& node = mesh.nodes[index];
+    for (uint32_t c = 0; c < node.childCount; ++c) {
+      Box box = ChildBox(node, c);
+      for (int i = 0; i < 3; ++i) box.lo[i] = std::max(box.lo[i], above.lo[i]), box.hi[i] = std::min(box.hi[i], above.hi[i]);
+      if ((node.children[c] & layout::kBvhLeafBit) == 0) {
+        walk(node.children[c], box);
+        continue;
+      }
+      const uint32_t first = node.children[c] & layout::kBvhLeafFirstMask;
+      const uint32_t count = (node.children[c] >> layout::kBvhLeafCountShift & 7u) + 1;
+      for (uint32_t i = first; i < first + count; ++i) result[mesh.triangles[i].meshTriangle].push_back(box);
+    }
+  };
+  Box all;
+  for (int i = 0; i < 3; ++i) all.lo[i] = -1e300, all.hi[i] = 1e300;
+  walk(0, all);
+  return result;
 }
 
-TEST(MeshBvh, HoldsEveryTriangleOnce) {
+// Checks all promises about a tree with spatial splits: each record of an own leaf, each triangle within what its
+// leaves hold, point by point.
+void CheckCutMesh(const Soup& soup, const MeshBvh& mesh, size_t inTree) {
+  const size_t broken = soup.triangles.size() - inTree;
+  ASSERT_GE(mesh.triangles.size(), soup.triangles.size());
+  ASSERT_LE(mesh.triangles.size(), soup.triangles.size() + inTree / kTrianglesPerPiece);
+  Walk walk{mesh.nodes, kMaxLeafTriangles, [](uint32_t) { return Box{}; },
+            std::vector<uint32_t>(mesh.triangles.size() - broken), std::vector<uint32_t>(mesh.nodes.size())};
+  walk.Node(0, 1);
+  EXPECT_TRUE(std::all_of(walk.itemUses.begin(), walk.itemUses.end(), [](uint32_t n) { return n == 1; }));
+  EXPECT_TRUE(std::all_of(walk.nodeUses.begin(), walk.nodeUses.end(), [](uint32_t n) { return n == 1; }));
+  EXPECT_LE(walk.depth, kMeshMaxDepth);
+  const auto boxes = BoxesOnTheWay(mesh, soup.triangles.size());
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> unit(0, 1);
+  size_t lost = 0, held = 0;
+  for (size_t i = 0; i < soup.triangles.size(); ++i) {
+    held += !boxes[i].empty();
+    const Float3 corners[3] = {soup.positions[soup.triangles[i].x], soup.positions[soup.triangles[i].y],
+                               soup.positions[soup.triangles[i].z]};
+    for (int k = 0; k < 24 && !boxes[i].empty(); ++k) {
+      // The corners, points of the edges, and points inside.
+      double w[3] = {unit(random), unit(random), unit(random)};
+      if (k < 3) w[(k + 1) % 3] = w[(k + 2) % 3] = 0;
+      if (k >= 3 && k < 12) w[k % 3] = 0;
+      const double sum = w[0] + w[1] + w[2];
+      double p[3] = {}, reach = 0;
+      for (int c = 0; c < 3; ++c) {
+        const double corner[3] = {corners[c].x, corners[c].y, corners[c].z};
+        for (int a = 0; a < 3; ++a) p[a] += w[c] / sum * corner[a], reach = std::max(reach, std::fabs(corner[a]));
+      }
+      const auto holds = [&](const Box& box) {
+        for (int a = 0; a < 3; ++a) {
+          if (p[a] < box.lo[a] - 1e-14 * reach || p[a] > box.hi[a] + 1e-14 * reach) return false;
+        }
+        return true;
+      };
+      lost += std::none_of(boxes[i].begin(), boxes[i].end(), holds);
+    }
+  }
+  EXPECT_EQ(lost, 0u);
+  EXPECT_EQ(held, inTree);
+}
+
+void BuildAndCheck(const Soup& soup, size_t inTree) {
+  CheckMesh(soup, BuildMeshBvh(soup.positions, soup.triangles, {}, {.spatialSplits = false}), inTree);
+  CheckCutMesh(soup, BuildMeshBvh(soup.positions, soup.triangles, {}), inTree);
+}
+
+// Long triangles through a crowd of small ones.
+Soup BeamsThroughClutter(uint32_t small, uint32_t beams, float scale = 1) {
+  Soup soup = RandomSoup(small, 0.01f, 21, scale);
+  const Soup ends = RandomSoup(beams, 1, 22, scale);
+  soup.positions.insert(soup.positions.end(), ends.positions.begin(), ends.positions.end());
+  for (UInt3 t : ends.triangles) soup.triangles.push_back({t.x + 3 * small, t.y + 3 * small, t.z + 3 * small});
+  return soup;
+}
+
+TEST(MeshBvh, CutsLongTrianglesWithinItsRoom) {
+  for (const float scale : {1e-30f, 1.0f, 1e17f}) {
+    SCOPED_TRACE(scale);
+    const Soup soup = BeamsThroughClutter(5000, 100, scale);
+    const MeshBvh mesh = BuildMeshBvh(soup.positions, soup.triangles, {});
+    EXPECT_GT(mesh.triangles.size(), soup.triangles.size() + 100);
+    CheckCutMesh(soup, mesh, soup.triangles.size());
+  }
+}
+
+TEST(MeshBvh, WithoutSpatialSplitsHasEachTriangleOnce) {
+  const Soup soup = BeamsThroughClutter(5000, 100);
+  CheckMesh(soup, BuildMeshBvh(soup.positions, soup.triangles, {}, {.spatialSplits = false}), soup.triangles.size());
+}
+
+TEST(MeshBvh, HoldsEveryTriangle) {
   for (const uint32_t count : {1u, 2u, 3u, 4u, 5u, 8u, 9u, 17u, 100u, 5000u, 70000u}) {
     SCOPED_TRACE(count);
     BuildAndCheck(RandomSoup(count, 0.05f, count), count);
@@ -217,6 +309,12 @@ TEST(MeshBvh, BrokenTrianglesAreCountedAndStandInNoLeaf) {
   const MeshBvh mesh = BuildMeshBvh(soup.positions, soup.triangles, {});
   CheckMesh(soup, mesh, 100);
   EXPECT_EQ(mesh.brokenTriangles, 4u);
+  Soup beams = BeamsThroughClutter(1000, 50);
+  const size_t whole = beams.triangles.size();
+  beams.Add({kNan, 0, 0}, {1, 0, 0}, {0, 1, 0});
+  const MeshBvh cut = BuildMeshBvh(beams.positions, beams.triangles, {});
+  EXPECT_EQ(cut.triangles.back().meshTriangle, whole);
+  CheckCutMesh(beams, cut, whole);
 }
 
 TEST(MeshBvh, KeepsMaterialSlots) {
@@ -237,7 +335,7 @@ bool SameBytes(const MeshBvh& a, const MeshBvh& b) {
 }
 
 TEST(MeshBvh, ThreadCountDoesNotShow) {
-  const Soup soup = RandomSoup(300000, 0.01f, 11);
+  const Soup soup = BeamsThroughClutter(300000, 500);
   const MeshBvh one = BuildMeshBvh(soup.positions, soup.triangles, {}, {1});
   for (const unsigned threads : {2u, 3u, 7u}) {
     EXPECT_TRUE(SameBytes(one, BuildMeshBvh(soup.positions, soup.triangles, {}, {threads}))) << threads;

@@ -4,7 +4,9 @@
 //
 // What is hit is a function of the ray and the scene alone: t, u, v come from the triangle test in object space;
 // boxes only ever skip what cannot be hit, so no tree shape, node width or fetch path changes a result; of hits at
-// the same t the smallest (instance, triangle in mesh order) wins.
+// the same t the smallest (instance, triangle in mesh order) wins. (Where the triangle test itself is off by more than the
+// boxes' slack - slivers thousands of times as long as wide - the tree does count: resources/TRAVERSAL.md.) A triangle may
+// stand in several leaves, under records that are all alike; which of them a hit names depends on the tree.
 //
 // Needs before it: bindings (bvhNodes, bvhWords, triangleRecords, instanceRecords), and somewhere in the kernel the two hooks
 // declared below. Layout of the code for lavapipe, which executes a loop's body once more when a `break` stands in

@@ -52,13 +52,17 @@ constexpr uint32_t kInstanceMaxDepth = 15;
 constexpr uint32_t kMaxTriangles = 1u << 27;   // a leaf names its first item with 27 bits
 constexpr uint32_t kMaxInstances = 1u << 27;
 
+// Spatial splits name at most one triangle more for this many of a mesh.
+constexpr uint32_t kTrianglesPerPiece = 10;
+
 struct BuildOptions {
   unsigned threads = 0;  // 0: DefaultThreadCount() of base/parallel.h
+  bool spatialSplits = true;  // of meshes: a triangle may stand in several leaves, each with the box of its piece there
 };
 
 struct MeshBvh {
   std::vector<BvhNode4> nodes;             // root first, never empty; child indices relative to the root
-  std::vector<TriangleRecord> triangles;   // leaf order; as many as the mesh has
+  std::vector<TriangleRecord> triangles;   // leaf order; every one of the mesh, some several times (spatialSplits)
   Bounds3 bounds;                          // of all triangles that can be hit; min > max if there is none
   // Triangles that no ray can hit stand at the end of `triangles` and in no leaf: those with a vertex that is
   // not finite, lies beyond kMaxCoordinate or does not exist (an index out of range: its position reads as 0).

@@ -6,6 +6,7 @@
 #include "wavefront/base/check.h"
 #include "wavefront/base/parallel.h"
 #include "wavefront/scene/bvh/bvh.h"
+#include "wavefront/scene/bvh/spatial_split.h"
 #include "wavefront/scene/bvh/wide_builder.h"
 
 namespace wavefront::bvh {
@@ -77,12 +78,19 @@ MeshBvh BuildMeshBvh(std::span<const Float3> positions, std::span<const UInt3> t
   settings.maxLeafItems = kMaxLeafTriangles;
   settings.maxDepth = kMeshMaxDepth;
   settings.threads = threads;
+  const TriangleCutter cutter(positions, triangles);
+  if (options.spatialSplits) {
+    settings.cutter = &cutter;
+    settings.maxPieces = std::min(static_cast<uint32_t>(items.size() / kTrianglesPerPiece),
+                                  kMaxTriangles - static_cast<uint32_t>(items.size()));
+  }
   mesh.nodes = BuildWide(items, settings);
 
-  mesh.triangles.resize(triangles.size());
-  const size_t chunks = (triangles.size() + kRecordChunk - 1) / kRecordChunk;
+  const size_t records = items.size() + unhittable.size();
+  mesh.triangles.resize(records);
+  const size_t chunks = (records + kRecordChunk - 1) / kRecordChunk;
   ParallelFor(chunks, threads, [&](size_t chunk) {
-    const size_t end = std::min(triangles.size(), (chunk + 1) * kRecordChunk);
+    const size_t end = std::min(records, (chunk + 1) * kRecordChunk);
     for (size_t i = chunk * kRecordChunk; i < end; ++i) {
       const uint32_t triangle = i < items.size() ? ItemIndex(items[i]) : unhittable[i - items.size()];
       const Corners c = CornersOf(positions, triangles[triangle]);
@@ -100,7 +108,7 @@ std::vector<MeshBvh> BuildMeshBvhs(std::span<const MeshInput> meshes, const Buil
     (meshes[i].triangles.size() < kLargeMeshTriangles ? small : large).push_back(i);
   }
   const auto build = [&](size_t i, unsigned threadCount) {
-    result[i] = BuildMeshBvh(meshes[i].positions, meshes[i].triangles, meshes[i].slots, {threadCount});
+    result[i] = BuildMeshBvh(meshes[i].positions, meshes[i].triangles, meshes[i].slots, {threadCount, options.spatialSplits});
   };
   for (const size_t i : large) build(i, threads);
   // The largest first, so that no thread ends late with one of them.

@@ -2,7 +2,8 @@
 // Copyright the hdWavefront authors
 // Binned SAH (Wald, "On fast construction of SAH-based bounding volume hierarchies", 2007), wide nodes made
 // directly: a node's range is split, then its largest part, until there are four. A part of the tree with many
-// items is split by all threads together; parts below a size that depends on the input alone become tasks.
+// items is split by all threads together; parts below a size that depends on the input alone become tasks. Where the parts
+// of the best split overlap, planes that cut items are looked at, too (spatial_split.h).
 #include "wavefront/scene/bvh/wide_builder.h"
 
 #include <algorithm>
@@ -12,6 +13,7 @@
 
 #include "wavefront/base/check.h"
 #include "wavefront/base/parallel.h"
+#include "wavefront/scene/bvh/spatial_split.h"
 #include "wavefront/scene/bvh/vector4.h"
 #include "wavefront/shared/scene_layout.h"
 
@@ -24,16 +26,22 @@ constexpr uint32_t kMinTaskItems = 2048;
 // A visit of a node that parts a leaf, in triangle tests. Measured in time it is about 1.1; more asks more of nodes that
 // cost memory (resources/TRAVERSAL.md).
 constexpr double kNodeCost = 1.6;
+// Planes that cut items are looked at where the parts of the best other split overlap by this much of the whole tree's
+// area and of the range's own (resources/TRAVERSAL.md).
+constexpr double kOverlapOfTree = 1e-4;
+constexpr double kOverlapOfRange = 0.15;
 constexpr uint32_t kTasksPerTree = 128;           // parts below items / this many become tasks
 constexpr uint32_t kBinChunk = 1u << 16;          // items that one thread bins at a time
 constexpr uint32_t kTaskReference = 0x40000000u;  // child reference: number of a task, until its nodes are appended
 
 struct Range {
   uint32_t begin = 0, end = 0;
+  uint32_t limit = 0;  // [end, limit) is room for pieces of items that are cut
   Box4 bounds;     // of the boxes
   Box4 centroids;  // of lo + hi (twice the centre)
   bool isLeaf = false;
   uint32_t size() const { return end - begin; }
+  uint32_t room() const { return limit - end; }
 };
 
 struct Bin {
@@ -129,7 +137,12 @@ class Builder {
   std::vector<BvhNode4> Build() {
     const uint32_t count = static_cast<uint32_t>(items_.size());
     taskItems_ = std::max(kMinTaskItems, count / kTasksPerTree);
-    const Range root = WholeRange(0, count);
+    Range root = WholeRange(0, count);
+    if (settings_.cutter != nullptr) {
+      root.limit = count + settings_.maxPieces;
+      items_.resize(root.limit);
+      rootArea_ = root.bounds.HalfArea();
+    }
     std::vector<BvhNode4> nodes;
     nodes.reserve(count / 2 / settings_.maxLeafItems + 16);
     nodes.emplace_back();
@@ -140,6 +153,7 @@ class Builder {
       BuildNode(tasks_[i].range, tasks_[i].depthLeft, 0, parts[i], false);
     });
     Append(nodes, parts);
+    if (settings_.cutter != nullptr) CloseGaps(nodes);
     return nodes;
   }
 
@@ -150,7 +164,7 @@ class Builder {
   };
 
   Range WholeRange(uint32_t begin, uint32_t end) const {
-    Range range{begin, end, {}, {}, false};
+    Range range{begin, end, end, {}, {}, false};
     for (uint32_t i = begin; i < end; ++i) {
       const Vec4 lo = Load(items_[i].lo), hi = Load(items_[i].hi), centre = Add(lo, hi);
       range.bounds.Extend({lo, hi});
@@ -186,7 +200,16 @@ class Builder {
     }
   }
 
-  uint32_t LeafReference(const Range& range) const {
+  uint32_t LeafReference(Range& range) {
+    // Pieces of one item that met again.
+    for (uint32_t i = range.begin + 1; settings_.cutter != nullptr && i < range.end;) {
+      const auto isSame = [&](const BuildItem& other) { return ItemIndex(other) == ItemIndex(items_[i]); };
+      if (std::any_of(items_.begin() + range.begin, items_.begin() + i, isSame)) {
+        items_[i] = items_[--range.end];
+      } else {
+        ++i;
+      }
+    }
     const uint32_t first = settings_.leafIsItemIndex ? ItemIndex(items_[range.begin]) : range.begin;
     return layout::kBvhLeafBit | (range.size() - 1) << layout::kBvhLeafCountShift | first;
   }
@@ -245,15 +268,114 @@ class Builder {
       Bins bins;
       BinRange(range, mapping, bins);
       const Split split = BestSplit(bins, mapping.count);
+      const SpatialSplit spatial = equalParts ? SpatialSplit{} : BestCut(range, split);
       // While the node has room, one more child is free: any gain is worth it.
-      if (mayBeLeaf && !(split.cost < range.bounds.HalfArea() * count)) return false;
+      if (mayBeLeaf && !(std::min(split.cost, spatial.cost) < range.bounds.HalfArea() * count)) return false;
+      if (spatial.cost < split.cost) {
+        Cut(range, spatial, left, right);
+        if (left.size() < count && right.size() < count && left.size() > 0 && right.size() > 0) {
+          ShareRoom(range.limit, left, right);
+          return true;
+        }
+        // Rounding put all on one side. The pieces are still all there.
+        Range all = range;
+        all.end = right.end;
+        SplitAtMedian(all, left, right);
+        return true;
+      }
       if (split.axis >= 0) {
         Partition(range, mapping, split, left, right);
+        ShareRoom(range.limit, left, right);
         return true;
       }
     }
     SplitAtMedian(range, left, right);
     return true;
+  }
+
+  // The best plane that cuts items; costs infinity where none is worth looking at.
+  SpatialSplit BestCut(const Range& range, const Split& split) const {
+    if (range.room() == 0 || split.axis < 0) return {};
+    const Box4 shared = {Max(split.leftBounds.lo, split.rightBounds.lo), Min(split.leftBounds.hi, split.rightBounds.hi)};
+    const auto size = Store(Sub(shared.hi, shared.lo));
+    if (size[0] < 0 || size[1] < 0 || size[2] < 0) return {};
+    const double overlap = shared.HalfArea();
+    if (overlap <= kOverlapOfTree * rootArea_ || overlap <= kOverlapOfRange * range.bounds.HalfArea()) return {};
+    const Slabs slabs(range.bounds);
+    SpatialBins bins;
+    const auto fill = [&](size_t begin, size_t end, SpatialBins& into) {
+      settings_.cutter->Fill({items_.data() + begin, end - begin}, slabs, into);
+    };
+    const size_t parts = std::min<size_t>(settings_.threads, range.size() / kBinChunk);
+    if (parts < 2) {
+      fill(range.begin, range.end, bins);
+    } else {
+      std::vector<SpatialBins> partial(parts);
+      ParallelFor(parts, settings_.threads, [&](size_t part) {
+        const auto cut = [&](size_t i) { return range.begin + size_t{range.size()} * i / parts; };
+        fill(cut(part), cut(part + 1), partial[part]);
+      });
+      for (const SpatialBins& part : partial) {
+        for (int axis = 0; axis < 3; ++axis) {
+          for (uint32_t i = 0; i < kSpatialBins; ++i) {
+            bins[axis][i].bounds.Extend(part[axis][i].bounds);
+            bins[axis][i].begin += part[axis][i].begin;
+            bins[axis][i].end += part[axis][i].end;
+          }
+        }
+      }
+    }
+    return BestSpatialSplit(slabs, bins, range.size(), range.room());
+  }
+
+  // Parts the range at a plane. What lies across stands on both sides, as long as there is room.
+  void Cut(const Range& range, const SpatialSplit& spatial, Range& left, Range& right) {
+    left = right = Range{};
+    const auto extend = [](Range& part, const BuildItem& item) {
+      const Vec4 lo = Load(item.lo), hi = Load(item.hi), centre = Add(lo, hi);
+      part.bounds.Extend({lo, hi});
+      part.centroids.Extend({centre, centre});
+    };
+    const int axis = spatial.axis;
+    uint32_t i = range.begin, j = range.end, end = range.end;
+    while (i < j) {
+      const BuildItem item = items_[i];
+      bool goesLeft = item.hi[axis] <= spatial.plane;
+      if (!goesLeft && item.lo[axis] < spatial.plane) {
+        BuildItem leftPiece, rightPiece;
+        if (end < range.limit && settings_.cutter->Cut(item, axis, spatial.plane, leftPiece, rightPiece)) {
+          extend(left, leftPiece);
+          extend(right, rightPiece);
+          items_[i++] = leftPiece;
+          items_[end++] = rightPiece;
+          continue;
+        }
+        goesLeft = item.lo[axis] + item.hi[axis] < 2 * spatial.plane;
+      }
+      extend(goesLeft ? left : right, item);
+      if (goesLeft) {
+        ++i;
+      } else {
+        --j;
+        items_[i] = items_[j];
+        items_[j] = item;
+      }
+    }
+    left.begin = range.begin;
+    left.end = left.limit = right.begin = i;
+    right.end = right.limit = end;
+  }
+
+  // Room goes to both parts by their sizes; the right one moves up behind the left one's.
+  void ShareRoom(uint32_t limit, Range& left, Range& right) {
+    const uint64_t room = limit - right.end, both = left.size() + right.size();
+    const uint32_t shift = static_cast<uint32_t>(room * left.size() / both);
+    const uint32_t moved = std::min(shift, right.size());
+    std::copy_n(items_.begin() + right.begin, moved, items_.begin() + std::max(right.end, right.begin + shift));
+    left.limit = left.end + shift;
+    right.begin += shift;
+    right.end += shift;
+    right.limit = limit;
   }
 
   void BinRange(const Range& range, const BinMapping& mapping, Bins& bins) const {
@@ -319,6 +441,7 @@ class Builder {
                      });
     left = WholeRange(range.begin, middle);
     right = WholeRange(middle, range.end);
+    ShareRoom(range.limit, left, right);
   }
 
   static BvhNode4 MakeNode(const std::array<Range, 4>& parts, uint32_t count);
@@ -351,8 +474,33 @@ class Builder {
     nodes.shrink_to_fit();
   }
 
+  // Takes the room that was not needed out of the items.
+  void CloseGaps(std::vector<BvhNode4>& nodes) {
+    const auto forLeaves = [&](const auto& visit) {
+      for (BvhNode4& node : nodes) {
+        for (uint32_t c = 0; c < node.childCount; ++c) {
+          if (node.children[c] & layout::kBvhLeafBit) visit(node.children[c]);
+        }
+      }
+    };
+    std::vector<uint32_t> places(items_.size());
+    forLeaves([&](uint32_t leaf) {
+      const uint32_t first = leaf & layout::kBvhLeafFirstMask;
+      std::fill_n(places.begin() + first, (leaf >> layout::kBvhLeafCountShift & 7u) + 1, 1u);
+    });
+    uint32_t used = 0;
+    for (uint32_t i = 0; i < items_.size(); ++i) {
+      const bool isUsed = places[i] != 0;
+      places[i] = used;
+      if (isUsed) items_[used++] = items_[i];
+    }
+    items_.resize(used);
+    forLeaves([&](uint32_t& leaf) { leaf = (leaf & ~layout::kBvhLeafFirstMask) | places[leaf & layout::kBvhLeafFirstMask]; });
+  }
+
   std::vector<BuildItem>& items_;
   const WideBuildSettings settings_;
+  double rootArea_ = 0;
   uint32_t taskItems_ = 0;
   std::vector<Task> tasks_;
 };
@@ -420,6 +568,8 @@ std::vector<BvhNode4> BuildWide(std::vector<BuildItem>& items, const WideBuildSe
   WAVEFRONT_CHECK(items.size() <= kMaxTriangles, "%zu items", items.size());
   WAVEFRONT_CHECK(settings.maxLeafItems >= 1 && settings.maxLeafItems <= 8, "%u", settings.maxLeafItems);
   WAVEFRONT_CHECK(!settings.leafIsItemIndex || settings.maxLeafItems == 1, "%u", settings.maxLeafItems);
+  WAVEFRONT_CHECK(settings.cutter != nullptr || settings.maxPieces == 0, "%u", settings.maxPieces);
+  WAVEFRONT_CHECK(settings.maxPieces <= kMaxTriangles - items.size(), "%u", settings.maxPieces);
   return Builder(items, settings).Build();
 }
 
