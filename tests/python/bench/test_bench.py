@@ -15,7 +15,7 @@ from hdwavefront.bench import runner, sweeps, tables
 from hdwavefront.bench.measure import GROUPS, Reading, Spread, group_of
 from hdwavefront.bench.paper import PAPER
 from hdwavefront.bench.peers import compare, embree_peer, flat
-from hdwavefront.bench.runner import Clock, Outcome, run_task
+from hdwavefront.bench.runner import Clock, Outcome, run_side_by_side, run_task
 from hdwavefront.bench.scene_bench import brief, remarks, summary
 from hdwavefront.bench.scenes import SCENES, sweep_scene
 from hdwavefront.bench.worker import Task
@@ -47,6 +47,7 @@ def mode_result(rate: float, **more: Any) -> dict[str, Any]:
         "openSeconds": 0.5,
         "compileSeconds": 1.5,
         "firstPictureSeconds": 2.5,
+        "firstPictureCpuSeconds": 3.5,
         "memoryBytes": {"geometry": 9000},
         **more,
     }
@@ -202,6 +203,39 @@ def test_a_worker_is_ended_when_its_time_is_over(monkeypatch: pytest.MonkeyPatch
         if outcome.identical is not None:
             break
     assert outcome.timed_out and outcome.identical is True and not outcome.error
+
+
+def test_workers_compile_side_by_side_and_measure_one_by_one(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    """Each stands in for a scene: compiling goes on only while the other does, measuring only while none other does."""
+    script = tmp_path / "worker.py"
+    script.write_text("""
+import json, os, sys, time
+def say(event, **values): print(json.dumps({"event": event, **values}), flush=True)
+def wait(): say("waiting"); sys.stdin.readline()
+task = json.loads(sys.argv[1])
+me, other = task["scene"], {"a": "b", "b": "a"}.get(task["scene"])
+if me == "broken":
+    sys.exit("no such scene")
+wait()
+open(me + ".compiles", "x").close()
+while not os.path.exists(other + ".compiles"):
+    time.sleep(0.01)
+wait()
+open("measures", "x").close()
+time.sleep(0.3)
+os.remove("measures")
+say("compared", identical=True)
+""")
+    monkeypatch.chdir(tmp_path)
+    popen = runner.subprocess.Popen
+    monkeypatch.setattr(
+        runner.subprocess, "Popen", lambda line, **kw: popen([sys.executable, str(script), line[-1]], **kw)
+    )
+    tasks = {name: Task(scene=name) for name in ("a", "broken", "b")}
+    found = run_side_by_side(tasks, Clock(120.0), 5.0, lambda _: None)
+    assert found["broken"].error == "no such scene"
+    for name in "ab":
+        assert found[name].identical is True and not found[name].error and not found[name].timed_out
 
 
 def test_wrong_usage_is_said(capfd: pytest.CaptureFixture[str]) -> None:

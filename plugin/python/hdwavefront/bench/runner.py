@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import os
 import selectors
@@ -11,7 +12,8 @@ import subprocess
 import sys
 import tempfile
 import time
-from dataclasses import dataclass, field
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 from .worker import Task
@@ -56,59 +58,114 @@ class Clock:
         return float("inf") if self._seconds is None else self._seconds - self.passed
 
 
-def run_task(task: Task, limit: float) -> Outcome:
-    """Runs a worker for at most `limit` seconds."""
-    outcome = Outcome()
-    begin = time.monotonic()
-    with tempfile.TemporaryFile("w+") as errors:
-        worker = subprocess.Popen(
+class Worker:
+    """A process at a task. Ends with the `with` block, whatever it does."""
+
+    def __init__(self, task: Task) -> None:
+        self.outcome = Outcome()
+        self._begin = time.monotonic()
+        self._errors = tempfile.TemporaryFile("w+")  # noqa: SIM115 - closed in __exit__
+        self._process = subprocess.Popen(
             [sys.executable, "-m", "hdwavefront.bench.worker", task.text()],
+            stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
-            stderr=errors,
+            stderr=self._errors,
             env={**os.environ, "PYTHONPATH": os.pathsep.join(p for p in sys.path if p)},
         )
+        assert self._process.stdin is not None and self._process.stdout is not None
+        self._in, self._out = self._process.stdin, self._process.stdout
+        os.set_blocking(self._out.fileno(), False)
+        self._buffer = b""
+        self._over = False
+
+    def __enter__(self) -> Worker:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.end()
+        self._out.close()
+        with contextlib.suppress(OSError):
+            self._in.close()
+        self._errors.close()
+
+    def go_on(self) -> None:
+        """What it waits for."""
+        with contextlib.suppress(OSError):  # it has ended: listening finds that out
+            self._in.write(b"\n")
+            self._in.flush()
+
+    def listen(self, seconds: float) -> bool:
+        """Until it waits (True), or has ended or is ended since its time is over (False)."""
+        end = time.monotonic() + seconds
+        with selectors.DefaultSelector() as selector:
+            selector.register(self._out, selectors.EVENT_READ)
+            while not self._over:
+                if b"\n" in self._buffer:
+                    line, self._buffer = self._buffer.split(b"\n", 1)
+                    if line.startswith(b'{"event": "waiting"'):
+                        return True
+                    if line.startswith(b'{"event"'):
+                        self.outcome.take(json.loads(line))
+                    continue
+                left = end - time.monotonic()
+                if left <= 0:
+                    self.outcome.timed_out = True
+                    self.end()
+                elif selector.select(min(left, 3600.0)):
+                    chunk = self._out.read()
+                    self._buffer += chunk or b""
+                    if not chunk:
+                        self._process.wait()
+                        self.end()
+        return False
+
+    def end(self) -> None:
+        """Idempotent. A killed process that a compiler filled may take half a minute to be gone: not waited for."""
+        if self._over:
+            return
+        self._over = True
+        if self._process.poll() is None:
+            self._process.kill()
         try:
-            _listen(worker, outcome, begin + limit)
-        finally:
-            code = _end(worker)
-            assert worker.stdout is not None
-            worker.stdout.close()
-        if code != 0 and not outcome.timed_out:
-            errors.seek(0)
-            said = [line for line in errors.read().splitlines() if line.strip()]
-            outcome.error = said[-1] if said else f"the process ended with code {code}"
-    outcome.seconds = time.monotonic() - begin
-    return outcome
+            code = self._process.wait(2.0)
+        except subprocess.TimeoutExpired:
+            code = -9
+        if code != 0 and not self.outcome.timed_out:
+            self._errors.seek(0)
+            said = [line for line in self._errors.read().splitlines() if line.strip()]
+            self.outcome.error = said[-1] if said else f"the process ended with code {code}"
+        self.outcome.seconds = time.monotonic() - self._begin
 
 
-def _end(worker: subprocess.Popen[bytes]) -> int:
-    """The exit code. A killed process that a compiler filled may take half a minute to be gone: not waited for."""
-    if worker.poll() is None:
-        worker.kill()
-    try:
-        return worker.wait(2.0)
-    except subprocess.TimeoutExpired:
-        return -9
+def run_task(task: Task, limit: float) -> Outcome:
+    """Runs a worker for at most `limit` seconds."""
+    with Worker(task) as worker:
+        begin = time.monotonic()
+        while worker.listen(limit - (time.monotonic() - begin)):
+            worker.go_on()
+        return worker.outcome
 
 
-def _listen(worker: subprocess.Popen[bytes], outcome: Outcome, end: float) -> None:
-    assert worker.stdout is not None
-    os.set_blocking(worker.stdout.fileno(), False)
-    buffer = b""
-    with selectors.DefaultSelector() as selector:
-        selector.register(worker.stdout, selectors.EVENT_READ)
-        while True:
-            left = end - time.monotonic()
-            if left <= 0:
-                outcome.timed_out = True
-                return
-            if not selector.select(min(left, 3600.0)):
-                continue
-            chunk = worker.stdout.read()
-            if not chunk:
-                worker.wait()
-                return
-            *lines, buffer = (buffer + chunk).split(b"\n")
-            for line in lines:
-                if line.startswith(b'{"event"'):
-                    outcome.take(json.loads(line))
+def run_side_by_side(
+    tasks: Mapping[str, Task], clock: Clock, measuring: float, say: Callable[[str], None]
+) -> dict[str, Outcome]:
+    """Tasks of two modes, of which the second takes long to compile: all compile it at once, nothing is measured
+    meanwhile. Each is given `measuring` seconds for what comes then, out of the clock's."""
+    with contextlib.ExitStack() as stack:
+        workers: dict[str, Worker] = {}
+        waiting: set[str] = set()
+        for name, task in tasks.items():
+            say(f"{name}: first mode ...")
+            workers[name] = stack.enter_context(Worker(replace(task, waits=True)))
+            if workers[name].listen(clock.left - measuring * len(tasks)):
+                waiting.add(name)
+        say(f"compiling the second mode of {', '.join(sorted(waiting))} ...")
+        for name in waiting:
+            workers[name].go_on()
+        ready = [n for n in tasks if n in waiting and workers[n].listen(clock.left - measuring * len(waiting))]
+        for place, name in enumerate(ready):
+            say(f"{name}: in turns ...")
+            workers[name].go_on()
+            workers[name].listen(clock.left - measuring * (len(ready) - place - 1))
+            workers[name].end()
+        return {name: worker.outcome for name, worker in workers.items()}

@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright the hdWavefront authors
 """One measurement in a process of its own: a scene, in one mode or in both, in turns. The process can be ended at any
-time (compiling cannot be stopped otherwise), and its memory and caches are its own.
+time (compiling cannot be stopped otherwise), and its memory and caches are its own. Several may compile side by side
+while only one measures: each waits where its task says so.
 
 `python -m hdwavefront.bench.worker TASK` prints a line of JSON for each thing it knows: {"event": ..., ...}.
 """
@@ -37,6 +38,7 @@ class Task:
     device: str = ""
     settings: dict[str, Any] = field(default_factory=dict)
     picture: str = ""  # a file to write the wavefront picture to
+    waits: bool = False  # for a line from its starter before it opens the second mode, and before the turns
 
     @staticmethod
     def parse(text: str) -> Task:
@@ -49,6 +51,12 @@ class Task:
 
 def _say(event: str, **values: Any) -> None:
     print(json.dumps({"event": event, **values}, default=float), flush=True)
+
+
+def _await(task: Task) -> None:
+    if task.waits:
+        _say("waiting")
+        sys.stdin.readline()
 
 
 def _scene(task: Task, folder: str) -> Scene:
@@ -143,6 +151,8 @@ def run(task: Task, folder: str) -> None:
     scene = _scene(task, folder)
     open_ones: dict[str, Contestant] = {}
     for mode in task.modes:
+        if open_ones:
+            _await(task)
         contestant = _open(task, scene, mode)
         if contestant is None:
             continue
@@ -159,6 +169,7 @@ def run(task: Task, folder: str) -> None:
     pictures = [c.picture for c in open_ones.values()]
     if len(pictures) == 2:
         _say("compared", identical=bool(np.array_equal(pictures[0].view(np.uint32), pictures[1].view(np.uint32))))
+    _await(task)
     if task.whole_samples:
         for contestant in open_ones.values():
             contestant.time_whole(task.whole_samples)

@@ -95,22 +95,31 @@ def _say(text: str) -> None:
 
 def _run_scenes(args: argparse.Namespace, tasks: dict[str, Any], clock: Any) -> tuple[list[dict[str, Any]], list[str]]:
     """Results, and remarks about what went missing."""
-    from ..bench.runner import run_task
+    from ..bench.runner import run_side_by_side, run_task
     from ..bench.scene_bench import brief, remarks, summary
 
-    results, notes = [], []
+    results: list[dict[str, Any]] = []
+    notes: list[str] = []
+
+    def take(name: str, outcome: Any) -> None:
+        notes.extend(remarks(name, outcome))
+        result = summary(name, outcome)
+        if result is not None:
+            results.append(result)
+            _say(f"{name}: {brief(result)}")
+
+    if not args.quick and len(tasks) > 1:
+        turns = next(iter(tasks.values()))
+        for name, outcome in run_side_by_side(tasks, clock, 4 * turns.turns * turns.seconds + 10, _say).items():
+            take(name, outcome)
+        return results, notes
     for place, (name, task) in enumerate(tasks.items()):
         limit = _limit(clock.left, len(tasks) - place - 1, args.quick)
         if limit < 5:
             notes.append(f"{name}: left out: {clock.passed:.0f} s have passed")
             continue
         _say(f"{name} ...")
-        outcome = run_task(task, limit)
-        notes += remarks(name, outcome)
-        result = summary(name, outcome)
-        if result is not None:
-            results.append(result)
-            _say(f"{name}: {brief(result)}")
+        take(name, run_task(task, limit))
     return results, notes
 
 
