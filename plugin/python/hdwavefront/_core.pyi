@@ -226,8 +226,8 @@ class RenderDelegate:
     ) -> None:
         """
         params: the whole set, UsdGeomCamera's attributes by name: projection, horizontalAperture, verticalAperture,
-            horizontalApertureOffset, verticalApertureOffset, focalLength, apertureUnit (scene units of these five: 0.1),
-            clippingRange, clippingPlanes (n, 4), fStop, focusDistance, exposure, exposure:time, exposure:iso,
+            horizontalApertureOffset, verticalApertureOffset, focalLength, apertureUnit (scene units of these five:
+            0.1), clippingRange, clippingPlanes (n, 4), fStop, focusDistance, exposure, exposure:time, exposure:iso,
             exposure:fStop, exposure:responsivity,
             shutter:open, shutter:close. Absent ones take the schema's fallback.
         """
@@ -286,8 +286,8 @@ class RenderDelegate:
         """True if the value changed. ValueError: unknown token, wrong type or out of range."""
     def setting(self, token: str) -> bool | int | float | str: ...
     def write_capture(self, path: str, name: str, max_texture_side: int = 0) -> int:
-        """Writes the committed scene, called `name`, to a scene file. Textures of a longer side are halved (0: none is);
-        returns how many were. RuntimeError where that fails, or where the delegate was not made with `capture_only`."""
+        """Writes the committed scene, called `name`, to a scene file. Textures of a longer side are halved (0: none
+        is); returns how many were. RuntimeError where that fails, or where the delegate was not made with `capture_only`."""
 
     # -- Render. commit() stops a running render, makes all edits real and says whether the image restarts.
     def commit(self) -> bool: ...
@@ -318,7 +318,8 @@ class RenderDelegate:
         """(worldToCamera, worldToNDC) of the committed camera, row-vector convention, for image metadata."""
 
     def material_source(self, path: str) -> dict[str, str]:
-        """GLSL of a material's kernel by entry: surface, opacity, emission, displacement. Empty: unknown, or not generated yet."""
+        """GLSL of a material's kernel by entry: surface, opacity, emission, displacement. Empty: unknown, or not generated
+        yet."""
 
     # -- Colour.
     def run_color_kernel(

@@ -64,7 +64,7 @@ class Worker:
     def __init__(self, task: Task) -> None:
         self.outcome = Outcome()
         self._begin = time.monotonic()
-        self._errors = tempfile.TemporaryFile("w+")  # noqa: SIM115 - closed in __exit__
+        self._errors = tempfile.TemporaryFile("w+")  # closed in __exit__
         self._process = subprocess.Popen(
             [sys.executable, "-m", "hdwavefront.bench.worker", task.text()],
             stdin=subprocess.PIPE,

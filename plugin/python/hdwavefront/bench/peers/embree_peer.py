@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright the hdWavefront authors
-"""The same rays through Embree's kernel for one ray (rtcIntersect1, by the package `embreex`) and through our traversal,
-in turns, one thread each, on a flat scene (flat.py) as one mesh. Started in a process of its own, with
+"""The same rays through Embree's kernel for one ray (rtcIntersect1, by the package `embreex`) and through our
+traversal, in turns, one thread each, on a flat scene (flat.py) as one mesh. Started in a process of its own, with
 LP_NUM_THREADS=1: `python embree_peer.py scene.json '{...}'` prints lines of JSON.
 
 Rays: of the camera, in the order of pixels; from what they hit, in cosine-distributed directions (bounce 1); and from
@@ -88,6 +88,7 @@ def main() -> int:
     path, options = sys.argv[1], json.loads(sys.argv[2])
     from embreex import rtcore_scene  # type: ignore
     from embreex.mesh_construction import TriangleMesh  # type: ignore
+
     from hdwavefront.api import core
 
     points, triangles, camera = flattened(path)
