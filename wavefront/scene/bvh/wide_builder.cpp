@@ -27,9 +27,9 @@ constexpr uint32_t kMinTaskItems = 2048;
 // cost memory (resources/TRAVERSAL.md).
 constexpr double kNodeCost = 1.6;
 // Planes that cut items are looked at where the parts of the best other split overlap by this much of the whole tree's
-// area and of the range's own (resources/TRAVERSAL.md).
+// area, and where that split would cost less by this much without the overlap (resources/TRAVERSAL.md).
 constexpr double kOverlapOfTree = 1e-4;
-constexpr double kOverlapOfRange = 0.15;
+constexpr double kLeastGain = 0.1;
 constexpr uint32_t kTasksPerTree = 128;           // parts below items / this many become tasks
 constexpr uint32_t kBinChunk = 1u << 16;          // items that one thread bins at a time
 constexpr uint32_t kTaskReference = 0x40000000u;  // child reference: number of a task, until its nodes are appended
@@ -79,6 +79,7 @@ struct Split {
   uint32_t bin = 0;  // items in bins below this go left
   double cost = std::numeric_limits<double>::infinity();
   Box4 leftBounds, rightBounds;
+  uint32_t leftCount = 0;
 };
 
 void FillBins(const BuildItem* items, uint32_t begin, uint32_t end, const BinMapping& mapping, Bins& bins) {
@@ -117,7 +118,7 @@ Split BestSplit(const Bins& bins, uint32_t binCount) {
       count += row[i - 1].count;
       if (count == 0 || countRight[i] == 0) continue;
       const double cost = box.HalfArea() * count + fromRight[i].HalfArea() * countRight[i];
-      if (cost < best.cost) best = {axis, i, cost, box, fromRight[i]};
+      if (cost < best.cost) best = {axis, i, cost, box, fromRight[i], count};
     }
   }
   return best;
@@ -293,14 +294,24 @@ class Builder {
     return true;
   }
 
+  // What the split would cost if its parts did not overlap along its axis: a plane that cuts can hardly do better.
+  static double CostWithoutOverlap(const Split& split, const Box4& shared, uint32_t count) {
+    const auto endOfLeft = Store(shared.lo), beginOfRight = Store(shared.hi);
+    alignas(16) std::array<float, 4> hi = Store(split.leftBounds.hi), lo = Store(split.rightBounds.lo);
+    hi[split.axis] = endOfLeft[split.axis];
+    lo[split.axis] = beginOfRight[split.axis];
+    const Box4 left = {split.leftBounds.lo, Load(hi.data())}, right = {Load(lo.data()), split.rightBounds.hi};
+    return left.HalfArea() * split.leftCount + right.HalfArea() * (count - split.leftCount);
+  }
+
   // The best plane that cuts items; costs infinity where none is worth looking at.
   SpatialSplit BestCut(const Range& range, const Split& split) const {
     if (range.room() == 0 || split.axis < 0) return {};
     const Box4 shared = {Max(split.leftBounds.lo, split.rightBounds.lo), Min(split.leftBounds.hi, split.rightBounds.hi)};
     const auto size = Store(Sub(shared.hi, shared.lo));
     if (size[0] < 0 || size[1] < 0 || size[2] < 0) return {};
-    const double overlap = shared.HalfArea();
-    if (overlap <= kOverlapOfTree * rootArea_ || overlap <= kOverlapOfRange * range.bounds.HalfArea()) return {};
+    if (shared.HalfArea() <= kOverlapOfTree * rootArea_) return {};
+    if (CostWithoutOverlap(split, shared, range.size()) > (1 - kLeastGain) * split.cost) return {};
     const Slabs slabs(range.bounds);
     SpatialBins bins;
     const auto fill = [&](size_t begin, size_t end, SpatialBins& into) {
