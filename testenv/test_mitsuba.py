@@ -167,7 +167,7 @@ def scattering(mi: Any) -> dict[str, Any]:
     glass = {"type": "dielectric", "int_ior": 1.5, "ext_ior": 1.0}
     milk, jade = medium((0.05, 0.1, 0.2), (2, 1.5, 1), 0.0), medium((0.4, 0.1, 0.3), (1.5, 2.5, 1), 0.5)
     slab = transform(mi, (1.1, -0.1, 0), (0, 30, 0), (0.8, 0.8, 0.3))
-    # Paths carry L / n^2 (wavefront/kernels/lib/bsdf/bsdf_common.glsl): what shines inside of glass has it already here.
+    # Paths carry L / n^2 (wavefront/kernels/lib/bsdf/bsdf_common.glsl): what shines inside glass has it already here.
     ember = {"emitter": {"type": "area", "radiance": rgb(*(1.5**2 * c for c in (6, 4, 2)))}, "exterior": milk}
     y = 0.300001
     return {

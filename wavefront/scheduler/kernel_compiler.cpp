@@ -57,8 +57,8 @@ struct KernelCompiler::WarmDevice {
     return warm;
   }
 
-  Status Dispatch(const KernelCode& code, const std::string& name, CompileCost* cost) {
-    auto pipeline = vulkan::ComputePipeline::Create(*device, *layout, {code.spirv, "main", {}, name});
+  Status Dispatch(const vulkan::PipelineDesc& desc, CompileCost* cost) {
+    auto pipeline = vulkan::ComputePipeline::Create(*device, *layout, desc);
     if (!pipeline) return pipeline.error();
     cost->createSeconds += pipeline.value()->creationSeconds();
     const auto start = Clock::now();
@@ -85,6 +85,7 @@ KernelCompiler::~KernelCompiler() {
     std::lock_guard lock(mutex_);
     stop_ = true;
     queue_.clear();
+    cacheQueue_.clear();
   }
   work_.notify_all();
   for (std::thread& thread : threads_) thread.join();
@@ -96,6 +97,27 @@ void KernelCompiler::Enqueue(std::vector<Job> jobs) {
   // Threads are made when there is work for them: most edits compile nothing.
   while (threads_.size() < std::min<std::size_t>(threadCount_, queue_.size())) threads_.emplace_back([this] { Run(); });
   work_.notify_all();
+}
+
+void KernelCompiler::EnqueueFirst(std::vector<CacheJob> jobs) {
+  if (driverCompile_ != vulkan::DriverCompile::AtDispatchCached) return;
+  std::lock_guard lock(mutex_);
+  cacheQueue_.insert(cacheQueue_.end(), jobs.begin(), jobs.end());
+  while (threads_.size() < std::min<std::size_t>(threadCount_, cacheQueue_.size())) threads_.emplace_back([this] { Run(); });
+  work_.notify_all();
+}
+
+bool KernelCompiler::TakeBack(uint32_t id) {
+  std::lock_guard lock(mutex_);
+  return std::erase_if(cacheQueue_, [&](const CacheJob& job) { return job.id == id; }) != 0;
+}
+
+void KernelCompiler::WaitForCacheJobs() {
+  std::unique_lock lock(mutex_);
+  finished_.wait(lock, [this] { return cacheQueue_.empty() && cacheJobsInWork_ == 0; });
+  const auto written = cacheWritten_;
+  lock.unlock();
+  std::this_thread::sleep_until(written);
 }
 
 std::vector<KernelCompiler::Done> KernelCompiler::Take() {
@@ -127,14 +149,29 @@ void KernelCompiler::Run() {
   std::unique_ptr<WarmDevice> warm;
   std::unique_lock lock(mutex_);
   for (;;) {
-    if (queue_.empty() && !stop_) {
+    if (queue_.empty() && cacheQueue_.empty() && !stop_) {
       // A device that waits for the next edit would only hold memory.
       lock.unlock();
       warm.reset();
       lock.lock();
     }
-    work_.wait(lock, [this] { return stop_ || !queue_.empty(); });
+    work_.wait(lock, [this] { return stop_ || !queue_.empty() || !cacheQueue_.empty(); });
     if (stop_) return;
+    if (!cacheQueue_.empty()) {
+      const CacheJob job = cacheQueue_.front();
+      cacheQueue_.pop_front();
+      ++cacheJobsInWork_;
+      lock.unlock();
+      CompileCost cost;
+      std::string trouble;
+      // A failure is the rendering device's to find.
+      if (WarmDevice* device = Warm(warm, &trouble)) (void)device->Dispatch(*job.desc, &cost);
+      lock.lock();
+      --cacheJobsInWork_;
+      if (cost.firstDispatchSeconds > kCompiledSeconds) cacheWritten_ = Clock::now() + kCacheWriteTime;
+      finished_.notify_all();
+      continue;
+    }
     const Job job = std::move(queue_.front());
     queue_.pop_front();
     lock.unlock();
@@ -143,6 +180,16 @@ void KernelCompiler::Run() {
     done_.push_back(std::move(done));
     finished_.notify_all();
   }
+}
+
+// The thread's device. Null where none can be had, then the rendering device compiles: slower, and the same picture.
+KernelCompiler::WarmDevice* KernelCompiler::Warm(std::unique_ptr<WarmDevice>& warm, std::string* trouble) {
+  if (!warm) {
+    auto created = WarmDevice::Create(device_, layout_);
+    if (created) warm = std::move(created).value();
+    else *trouble = created.error().message;
+  }
+  return warm.get();
 }
 
 KernelCompiler::Done KernelCompiler::Compile(const Job& job, std::unique_ptr<WarmDevice>& warm) {
@@ -160,14 +207,8 @@ KernelCompiler::Done KernelCompiler::Compile(const Job& job, std::unique_ptr<War
   }
   done.readyAt = Clock::now();
   if (driverCompile_ == vulkan::DriverCompile::AtDispatchCached) {
-    if (!warm) {
-      auto created = WarmDevice::Create(device_, layout_);
-      // Without it the rendering device compiles: slower, and the same picture.
-      if (created) warm = std::move(created).value();
-      else done.trouble = created.error().message;
-    }
-    if (warm) {
-      if (Status s = warm->Dispatch(code, job.name, &done.cost); !s) {
+    if (WarmDevice* device = Warm(warm, &done.trouble)) {
+      if (Status s = device->Dispatch({code.spirv, "main", {}, job.name}, &done.cost); !s) {
         done.error = s.error().message;
         return done;
       }

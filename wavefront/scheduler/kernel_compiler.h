@@ -40,6 +40,11 @@ class KernelCompiler {
     std::string name;
     std::function<KernelCode()> code;
   };
+  // A program that is only to be in the driver's cache. What it names outlives the job.
+  struct CacheJob {
+    uint32_t id = 0;
+    const vulkan::PipelineDesc* desc = nullptr;
+  };
   struct Done {
     uint32_t bucket = 0;
     std::unique_ptr<vulkan::ComputePipeline> pipeline;  // null: failed
@@ -60,6 +65,12 @@ class KernelCompiler {
   const std::string& whyNoCache() const { return whyNoCache_; }
 
   void Enqueue(std::vector<Job> jobs);
+  // Before all that waits, and only where the driver compiles at dispatch into a cache.
+  void EnqueueFirst(std::vector<CacheJob> jobs);
+  // Takes such a job back; false where a thread has begun it.
+  bool TakeBack(uint32_t id);
+  // Until no thread works at such a job, and the cache has what they made.
+  void WaitForCacheJobs();
   // What is finished since the last call, in order of finishing.
   std::vector<Done> Take();
   // Jobs that are over and not taken yet.
@@ -70,6 +81,7 @@ class KernelCompiler {
  private:
   struct WarmDevice;
   void Run();
+  WarmDevice* Warm(std::unique_ptr<WarmDevice>& warm, std::string* trouble);
   Done Compile(const Job& job, std::unique_ptr<WarmDevice>& warm);
 
   vulkan::Device& device_;
@@ -81,6 +93,9 @@ class KernelCompiler {
   mutable std::mutex mutex_;
   std::condition_variable work_, finished_;
   std::deque<Job> queue_;
+  std::deque<CacheJob> cacheQueue_;
+  unsigned cacheJobsInWork_ = 0;
+  std::chrono::steady_clock::time_point cacheWritten_{};
   std::vector<Done> done_;
   bool stop_ = false;
   std::vector<std::thread> threads_;

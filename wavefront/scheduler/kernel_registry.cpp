@@ -33,6 +33,12 @@ std::vector<vulkan::Binding> Bindings() {
   };
 }
 
+enum FeatureBit : uint32_t {
+#define WAVEFRONT_FEATURE(Name, index, doc) k##Name = 1u << index,
+#include "wavefront/shared/features.def"
+#undef WAVEFRONT_FEATURE
+};
+
 // They take the place of material kernels, and most renders need none.
 bool IsStandIn(Kernel kernel) { return kernel == Kernel::StandInSurface || kernel == Kernel::StandInShadow; }
 bool IsForMedia(Kernel kernel) {
@@ -92,11 +98,17 @@ Result<std::unique_ptr<KernelRegistry>> KernelRegistry::Create(vulkan::Device& d
   return registry;
 }
 
+vulkan::PipelineDesc KernelRegistry::DescOf(Kernel kernel) const {
+  const char* file = kFixed[static_cast<uint32_t>(kernel)].file;
+  vulkan::PipelineDesc desc{KernelSpirv(file), "main", {}, file};
+  if (GoesByFeatures(kernel)) desc.specialization = features_.Specialization();
+  return desc;
+}
+
 Result<std::unique_ptr<vulkan::ComputePipeline>> KernelRegistry::CreateFixed(Kernel kernel) {
   const auto k = static_cast<uint32_t>(kernel);
   const auto spirv = KernelSpirv(kFixed[k].file);
-  vulkan::PipelineDesc desc{spirv, "main", {}, kFixed[k].file};
-  if (GoesByFeatures(kernel)) desc.specialization = features_.Specialization();
+  const vulkan::PipelineDesc desc = DescOf(kernel);
   auto pipeline = vulkan::ComputePipeline::Create(device_, *layout_, desc);
   if (!pipeline) return pipeline;
   times_[k].compile.createSeconds = pipeline.value()->creationSeconds();
@@ -128,6 +140,7 @@ Status KernelRegistry::Specialize(SceneFeatures features) {
   specialized_ = true;
   for (uint32_t k = 0; k < kKernelCount; ++k) {
     if (!GoesByFeatures(static_cast<Kernel>(k))) continue;
+    if (IsForMedia(static_cast<Kernel>(k)) && (features_.bits & kScatteringMedia) == 0) continue;  // nothing dispatches it
     auto pipeline = CreateFixed(static_cast<Kernel>(k));
     if (!pipeline) return pipeline.error();
     fixed_[k] = std::move(pipeline).value();
@@ -136,15 +149,39 @@ Status KernelRegistry::Specialize(SceneFeatures features) {
   return {};
 }
 
-Status KernelRegistry::WarmUpFixed(bool media, vulkan::CommandStream& stream, const vulkan::DescriptorSet& set) {
+Status KernelRegistry::WarmUpFixed(bool media, unsigned threads, vulkan::CommandStream& stream, const vulkan::DescriptorSet& set) {
+  std::vector<uint32_t> cold;
   for (uint32_t k = 0; k < kKernelCount; ++k) {
     const Kernel kernel = static_cast<Kernel>(k);
     if (!fixed_[k] || fixedWarm_[k]) continue;
     if (kernel == Kernel::MaterialCost || kernel == Kernel::MegaTurn) continue;  // few renders ask for costs, or for the megakernel
     if (!media && IsForMedia(kernel)) continue;
-    if (Status s = WarmUp(*fixed_[k], times_[k], stream, set); !s) return s;
-    fixedWarm_[k] = true;
+    cold.push_back(k);
   }
+  if (cold.empty()) return {};
+  if (!compiler_) compiler_ = std::make_unique<KernelCompiler>(device_, *layout_, threads);
+  // The compiler's threads come from one end, this one from the other.
+  std::vector<vulkan::PipelineDesc> descs;
+  for (uint32_t k : cold) descs.push_back(DescOf(static_cast<Kernel>(k)));
+  std::vector<KernelCompiler::CacheJob> jobs;
+  for (std::size_t i = 0; i < cold.size(); ++i) jobs.push_back({cold[i], &descs[i]});
+  compiler_->EnqueueFirst(jobs);
+  const bool shared = compiler_->driverCompile() == vulkan::DriverCompile::AtDispatchCached;
+  Status status;
+  std::vector<uint32_t> others;
+  for (std::size_t i = cold.size(); i-- > 0;) {
+    if (shared && !compiler_->TakeBack(cold[i])) {
+      others.push_back(cold[i]);
+      continue;
+    }
+    if (status) status = WarmUp(*fixed_[cold[i]], times_[cold[i]], stream, set);
+  }
+  compiler_->WaitForCacheJobs();  // `descs` are in use until then
+  for (uint32_t k : others) {
+    if (status) status = WarmUp(*fixed_[k], times_[k], stream, set);
+  }
+  if (!status) return status;
+  for (uint32_t k : cold) fixedWarm_[k] = true;
   return {};
 }
 

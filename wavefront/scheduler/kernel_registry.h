@@ -69,8 +69,8 @@ class KernelRegistry {
   Status Specialize(SceneFeatures features);
   SceneFeatures features() const { return features_; }
   // Dispatches the fixed kernels once with no work: that is where lavapipe compiles.
-  // Those of media wait for a scene with some.
-  Status WarmUpFixed(bool media, vulkan::CommandStream& stream, const vulkan::DescriptorSet& set);
+  // Those of media wait for a scene with some. The threads that compile materials help; nothing is seen without these.
+  Status WarmUpFixed(bool media, unsigned threads, vulkan::CommandStream& stream, const vulkan::DescriptorSet& set);
   // Buckets whose pipeline has come, or failed, since the last call. What went wrong is said.
   std::vector<uint32_t> Adopt(const DiagnosticSink& sink);
   // Buckets that Adopt has not handed out yet, and those of them whose compiling is over.
@@ -102,6 +102,7 @@ class KernelRegistry {
     std::string user;
     std::unique_ptr<vulkan::ComputePipeline> pipeline;
   };
+  vulkan::PipelineDesc DescOf(Kernel kernel) const;
   Result<std::unique_ptr<vulkan::ComputePipeline>> CreateFixed(Kernel kernel);
 
   vulkan::Device& device_;

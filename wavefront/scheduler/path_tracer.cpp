@@ -125,7 +125,7 @@ Status PathTracer::Configure(const RenderSettings& settings, const CameraData& c
   OrderKernels(scene, threads);  // they compile while the fixed ones are warmed up
   runs_.assign(scene.materials.buckets().size(), {});
   costsMeasured_ = false;
-  return kernels_->WarmUpFixed(facts_.hasMedia, *stream_, *set_);
+  return kernels_->WarmUpFixed(facts_.hasMedia, threads, *stream_, *set_);
 }
 
 void PathTracer::OrderKernels(const SceneStore& scene, unsigned threads) { kernels_->Order(scene.materials.buckets(), scene.usedBuckets(), threads); }

@@ -287,7 +287,8 @@ class RenderDelegate:
     def setting(self, token: str) -> bool | int | float | str: ...
     def write_capture(self, path: str, name: str, max_texture_side: int = 0) -> int:
         """Writes the committed scene, called `name`, to a scene file. Textures of a longer side are halved (0: none
-        is); returns how many were. RuntimeError where that fails, or where the delegate was not made with `capture_only`."""
+        is); returns how many were. RuntimeError where that fails, or where the delegate was not made with
+        `capture_only`."""
 
     # -- Render. commit() stops a running render, makes all edits real and says whether the image restarts.
     def commit(self) -> bool: ...
@@ -318,8 +319,8 @@ class RenderDelegate:
         """(worldToCamera, worldToNDC) of the committed camera, row-vector convention, for image metadata."""
 
     def material_source(self, path: str) -> dict[str, str]:
-        """GLSL of a material's kernel by entry: surface, opacity, emission, displacement. Empty: unknown, or not generated
-        yet."""
+        """GLSL of a material's kernel by entry: surface, opacity, emission, displacement. Empty: unknown, or not
+        generated yet."""
 
     # -- Colour.
     def run_color_kernel(
