@@ -3,7 +3,12 @@
 #include "wavefront/vulkan/context.h"
 
 #include <algorithm>
+#include <cstdint>
 #include <cstdio>
+
+#if defined(__linux__)
+#include <sys/mman.h>
+#endif
 
 #include "wavefront/vulkan/transfer.h"
 
@@ -11,6 +16,17 @@ namespace wavefront::vulkan {
 namespace {
 
 std::atomic<int64_t> liveBytes{0};  // of all devices
+
+// A software device's memory is this process's own, in pages of 4 KB: incoherent rays wait for the translation of
+// addresses. Asks for larger pages; only a wish, and nothing is touched that was not used before.
+void AdviseHugePages([[maybe_unused]] void* mapped, [[maybe_unused]] uint64_t size) {
+#if defined(MADV_HUGEPAGE)
+  constexpr uintptr_t kHugePage = uintptr_t{2} << 20;
+  const auto begin = reinterpret_cast<uintptr_t>(mapped);
+  const uintptr_t first = (begin + kHugePage - 1) & ~(kHugePage - 1), end = (begin + size) & ~(kHugePage - 1);
+  if (first < end) madvise(reinterpret_cast<void*>(first), end - first, MADV_HUGEPAGE);
+#endif
+}
 
 const char* ResultName(VkResult result) {
   switch (result) {
@@ -161,6 +177,7 @@ Result<Allocation> Context::Allocate(const VkMemoryRequirements& needs, bool hos
     error.message += " ('" + name + "', " + BytesText(needs.size) + ")";
     return error;
   }
+  if (allocation.mapped != nullptr && this->info.type == DeviceType::Cpu) AdviseHugePages(allocation.mapped, needs.size);
   return allocation;
 }
 

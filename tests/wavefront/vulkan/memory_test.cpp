@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the hdWavefront authors
 // Buffers, images and the memory accounts.
+#include <cstdlib>
 #include <cstring>
+#include <fstream>
 #include <numeric>
 
 #include "fixture.h"
@@ -31,6 +33,35 @@ TEST_P(StagingTest, ABufferStartsAsZeros) {
     Must(buffer->Upload(0, std::span<const uint32_t>(std::vector<uint32_t>(1 << 14, 0xdeadbeef))));
     EXPECT_EQ(Read<uint32_t>(*buffer, 1)[0], 0xdeadbeefu);
   }
+}
+
+// What the system was asked for the memory at `address` (VmFlags of /proc/self/smaps); empty where it does not tell.
+std::string AdviceFor(const void* address) {
+  std::ifstream maps("/proc/self/smaps");
+  bool isIn = false;
+  for (std::string line; std::getline(maps, line);) {
+    char* end = nullptr;
+    const uint64_t first = std::strtoull(line.c_str(), &end, 16);
+    if (*end == '-') {
+      const uint64_t last = std::strtoull(end + 1, nullptr, 16), at = reinterpret_cast<uintptr_t>(address);
+      isIn = first <= at && at < last;
+    } else if (isIn && line.starts_with("VmFlags:")) {
+      return line + ' ';
+    }
+  }
+  return {};
+}
+
+TEST_P(StagingTest, AsksForHugePagesWhereTheDeviceIsSoftware) {
+  if (!std::ifstream("/sys/kernel/mm/transparent_hugepage/enabled")) GTEST_SKIP() << "the system has no huge pages";
+  auto buffer = MakeBuffer(uint64_t{48} << 20);
+  const auto memory = buffer->Map();
+  ASSERT_EQ(memory.empty(), GetParam());
+  if (GetParam()) return;  // staged: not this process's memory
+  if (device_->info().type != DeviceType::Cpu) GTEST_SKIP() << "a device with memory of its own";
+  const std::string advice = AdviceFor(memory.data() + memory.size() / 2);
+  if (advice.empty()) GTEST_SKIP() << "the system does not tell";
+  EXPECT_NE(advice.find(" hg "), std::string::npos) << advice;
 }
 
 TEST_P(StagingTest, DestructionWaitsForUploads) {
