@@ -233,6 +233,7 @@ void MaterialStore::Upload(Material& material) {
   data.kernelKey = compiled.kernel->key;
   data.mediumPriority = compiled.mediumPriority;
   data.scatters = compiled.scatters;
+  data.lightEnters = compiled.lightEnters;
   data.parameters = Block(compiled, material.textureKeys);
   if (material.id != wavefront::kInvalidId && Same(data, material.data)) return;
   material.data = data;

@@ -35,6 +35,7 @@ class Emitter {
     CompiledMaterial result = Finish(kernel, {&kernel->surface, &kernel->opacity, &kernel->emission});
     if (material_.closure.transmits) FillBody(&result);
     result.scatters = result.scatters || material_.closure.hasSubsurface;
+    result.lightEnters = material_.closure.transmits || material_.closure.hasSubsurface;
     result.mediumPriority = uint8_t(material_.priority);
     return result;
   }

@@ -66,6 +66,7 @@ struct CompiledMaterial {
   // `dielectric_priority` on the node of the surface terminal (Arnold's name and meaning).
   uint8_t mediumPriority = 0;
   bool scatters = false;              // light scatters below the surface or inside of the body
+  bool lightEnters = false;           // into the body: by refraction, or to scatter below the surface
 };
 
 struct GenerateOptions {

@@ -145,6 +145,7 @@ struct MaterialData {
                                          // start with absorption, anisotropy; scattering, index of refraction
   uint8_t mediumPriority = 0;            // 0..31: where transmissive bodies overlap, the highest fills the overlap
   bool scatters = false;                 // light scatters below its surfaces or inside of its bodies
+  bool lightEnters = false;              // into its bodies: by refraction, or to scatter below their surfaces
 };
 
 enum class TexelFormat : uint32_t { Rgba8Unorm, Rgba16Float, Rgba16Unorm, Rgba32Float };

@@ -70,7 +70,7 @@ inline auto Fields(const wavefront::CameraData& v) {
                   v.lensRadius, v.focusDistance, v.exposureScale, v.shutterOpen, v.shutterClose);
 }
 inline auto Fields(const wavefront::MaterialData& v) {
-  return std::tie(v.path, v.kernelKey, v.parameters, v.mediumPriority, v.scatters);
+  return std::tie(v.path, v.kernelKey, v.parameters, v.mediumPriority, v.scatters, v.lightEnters);
 }
 inline auto Fields(const wavefront::RenderSettings& v) {
   return std::tie(v.width, v.height, v.firstSample, v.samples, v.maxBounces, v.rouletteBounce, v.maxTransparency,

@@ -33,10 +33,12 @@ TEST(MaterialGen, SubsurfaceIsALobe) {
   EXPECT_TRUE(walk.messages.empty());
   EXPECT_EQ(Lobes(walk), (LobeNames{"dielectric_reflection", "subsurface", "oren_nayar"}));
   EXPECT_TRUE(walk.material.scatters);
+  EXPECT_TRUE(walk.material.lightEnters);
   ExpectCompiles(walk.material, "subsurface");
   const CompiledMaterial diffuse = SharedGenerator().Generate(network, {}, {.diffuseSubsurface = true});
   EXPECT_EQ(diffuse.kernel->lobes, (LobeNames{"dielectric_reflection", "oren_nayar", "oren_nayar"}));
   EXPECT_FALSE(diffuse.scatters);
+  EXPECT_FALSE(diffuse.lightEnters);
   EXPECT_FALSE(RunNetwork(Standard({{"subsurface", 0.5f}, {"subsurface_scale", 0.0f}})).material.scatters);
   EXPECT_FALSE(RunNetwork(Standard({{"subsurface", 0.0f}})).material.scatters);
 }
@@ -59,6 +61,7 @@ TEST(MaterialGen, BodiesHoldTheirMedium) {
   EXPECT_NEAR(jelly.parameters[2], 0, 1e-6f);
   EXPECT_NEAR(jelly.parameters[0], (std::log(2.0f) - 0.3f + 0.1f) / 4, 1e-6f);
   EXPECT_FALSE(body(0, {0.5f, 0.5f, 0.5f}, 0).scatters);
+  EXPECT_TRUE(body(0, {0.5f, 0.5f, 0.5f}, 0).lightEnters);
 }
 
 // What the CPU computes for bodies follows the rule of lib/media.glsl: a logarithm of 0 absorbs all, 0 / 0 nothing.

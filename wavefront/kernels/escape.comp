@@ -18,7 +18,7 @@
 layout(local_size_x = 64) in;
 
 // Adds the lights at infinity along a ray that left the scene; dome lights may be hidden from the camera.
-vec4 addMiss(vec4 radiance, vec3 throughput, vec3 direction, float bsdfPdf, float coneSpread, uint events) {
+vec3 addMiss(vec3 radiance, inout float alpha, vec3 throughput, vec3 direction, float bsdfPdf, float coneSpread, uint events) {
   bool camera = bsdfPdf == 0.0;
   [[dont_unroll]] for (uint i = 0u; i < frame.infiniteLightCount; ++i) {
     Light l = lightLoad(i);
@@ -32,13 +32,13 @@ vec4 addMiss(vec4 radiance, vec3 throughput, vec3 direction, float bsdfPdf, floa
     // would be added once more beside the place where light samples find it.
     vec3 found = weight * lightRadiance(l, -direction, vec3(0.0), camera ? coneSpread * 0.15915494309 : 0.0);
     radiance = contribute(radiance, throughput * found, events, lightGroup(l.flags));
-    if (camera) radiance.a = 1.0;
+    if (camera) alpha = 1.0;
   }
   return radiance;
 }
 
 // Adds what the analytic light that was hit sends towards the ray.
-vec4 addShape(vec4 radiance, vec3 throughput, uint instance, vec3 origin, vec3 direction, float t, float width, float bsdfPdf, uint events) {
+vec3 addShape(vec3 radiance, vec3 throughput, uint instance, vec3 origin, vec3 direction, float t, float width, float bsdfPdf, uint events) {
   Light l = lightLoad(instanceWord(instance, 7u).x);
   uint kind = instanceWord(instance, 3u).z & kInstanceKindMask;
   vec3 local = transformPoint(instanceRow(instance, 0u), instanceRow(instance, 1u), instanceRow(instance, 2u), origin + t * direction);
@@ -62,22 +62,23 @@ void main() {
   vec4 throughput = uintBitsToFloat(loadPath(kChunkThroughput, path));
   vec4 origin = uintBitsToFloat(loadPath(kChunkRayOrigin, path));
   vec3 direction = uintBitsToFloat(loadPath(kChunkRayDirection, path)).xyz;
-  vec4 radiance = uintBitsToFloat(loadPath(kChunkRadiance, path));
+  vec3 radiance = uintBitsToFloat(loadPath(kChunkRadiance, path)).rgb;
+  float alpha = pathAlpha(ids.w);
   uvec4 cone = loadPath(kChunkCone, path);
   float spread = uintBitsToFloat(cone.x);
   if (!kHasLightShapes || hit.x == 0xffffffffu) {
-    if (kHasInfiniteLights) radiance = addMiss(radiance, throughput.rgb, direction, throughput.a, spread, cone.w);
+    if (kHasInfiniteLights) radiance = addMiss(radiance, alpha, throughput.rgb, direction, throughput.a, spread, cone.w);
   } else {
     float t = uintBitsToFloat(extra.x);
     radiance = addShape(radiance, throughput.rgb, hit.x, origin.xyz, direction, t, uintBitsToFloat(extra.w) + spread * t, throughput.a, cone.w);
   }
   if (kHasLightShapes && hit.x != 0xffffffffu && pathBounce(ids.w) != 0u) {
-    storePathF(kChunkRadiance, path, radiance);
-    storePath(kChunkRayOrigin, path, uvec4(floatBitsToUint(origin.xyz), extra.x));
-    storePath(kChunkHitDistance, path, uvec4(extra.x, hit.xy, extra.w));
+    storePathF(kChunkRadiance, path, vec4(radiance, 0.0));
+    storePathWord(kChunkRayOrigin, path, 3u, extra.x);
+    storePath(kChunkHitDistance, path, uvec4(2u, hit.xy, extra.w));
     pushExtensionRay(path);
     return;
   }
-  filmAddSample(ids.x, radiance.rgb, radiance.a);
-  storePath(kChunkIds, path, uvec4(ids.xyz, kPhaseIdle));
+  filmAddSample(ids.x, radiance, alpha);
+  storePathWord(kChunkIds, path, 3u, kPhaseIdle);
 }

@@ -3,7 +3,7 @@
 // Copyright the hdWavefront authors
 // Light sample kernel: for each path on a surface, a light item and a point on it as seen from there; the material kernel
 // weighs it before the shadow ray is cast.
-// Reads: Ids, Hit, Cone. Writes: LightSample, LightRadiance, Cone. Runs after: scan_buckets.
+// Reads: Ids, Hit. Writes: LightSample, LightRadiance, Cone (the item). Runs after: scan_buckets.
 #extension GL_GOOGLE_include_directive : require
 #include "lib/bindings.glsl"
 #include "lib/path_state.glsl"
@@ -18,7 +18,6 @@ void main() {
   if (!queuePath(kQueueLightSample, path)) return;
   uvec4 ids = loadPath(kChunkIds, path);
   uvec4 hit = loadPath(kChunkHit, path);
-  vec4 cone = uintBitsToFloat(loadPath(kChunkCone, path));
   uint bounce = pathBounce(ids.w);
 
   int texel = int(hit.y * kTriangleTexels);
@@ -36,5 +35,5 @@ void main() {
   uint flags = record.y != kNoLight ? kLightFlagShadows : floatBitsToUint(lightTexel(record.x, 0u)).y;
   storePathF(kChunkLightSample, path, vec4(light.direction, castsShadow(flags) ? light.distance : -light.distance));
   storePathF(kChunkLightRadiance, path, vec4(radiance, light.pdf));
-  storePath(kChunkCone, path, uvec4(floatBitsToUint(cone.xy), item, floatBitsToUint(cone.w)));
+  storePathWord(kChunkCone, path, 2u, item);
 }

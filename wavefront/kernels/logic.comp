@@ -1,13 +1,14 @@
 #version 460
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the hdWavefront authors
-// Logic kernel: over all paths. Adds the light that was seen, finds what the extension ray met, Russian roulette,
-// extinction inside media, ends paths, and sends each path on (Laine et al. 2013, section 3.2).
-// In the paper it samples lights and adds the emission of what was hit, too. Those are light_sample and escape here:
-// software Vulkan runs every branch for every path, so what only some paths need is worth a queue of its own.
+// Logic kernel: over all paths. Finds what the extension ray met, Russian roulette, extinction inside media, ends paths,
+// and sends each path on (Laine et al. 2013, section 3.2).
+// In the paper it samples lights, adds those that were seen and the emission of what was hit, too. Those are light_sample,
+// shadow_ray and escape here: software Vulkan runs every branch for every path, so what only some paths need is worth a
+// queue of its own, and nothing is to be read for them here.
 // Paths that scatter inside of a body, or are on a random walk below a surface, go to queues of their own.
-// Reads: Ids, Radiance, ShadowContribution, Hit, HitDistance, Throughput, RayOrigin, Medium, Walk.
-// Writes: Ids, Radiance, Throughput, LightRadiance, film.
+// Reads: Ids, Hit, HitDistance, Throughput, RayOrigin, Medium, Walk; Radiance where the path ends.
+// Writes: Ids, Throughput, film.
 // Pushes to: light samples, escapes, medium scatters, walks and their exits, and the path's bucket (key and count;
 // scan_buckets and scatter make the queue).
 // Runs after: the ray casts.
@@ -19,7 +20,6 @@
 #include "lib/film.glsl"
 #include "lib/records.glsl"
 #include "lib/media.glsl"
-#include "lib/contribute.glsl"
 
 layout(local_size_x = 64) in;
 
@@ -33,30 +33,26 @@ void main() {
   if (phase == kPhaseIdle) {
     key = kBucketNewPath;
   } else if (phase == kPhaseReady) {
-    vec4 radiance = uintBitsToFloat(loadPath(kChunkRadiance, path));
-    if ((ids.w & kFlagShadow) != 0u) {
-      vec3 seen = uintBitsToFloat(loadPath(kChunkShadowContribution, path)).rgb;
-      uvec2 sampled = loadPath(kChunkCone, path).zw;  // the light item that was seen; events
-      radiance = contribute(radiance, seen, sampled.y, lightItemGroup(sampled.x));
-      ids.w &= ~kFlagShadow;
-    }
     bool ended = (ids.w & kFlagEnd) != 0u;
     bool escaped = false, behindLight = false;
     uint queue = kNoQueue;  // beside the light sample's
     if (!ended) {
       uvec4 hit = loadPath(kChunkHit, path);
       vec4 throughput = uintBitsToFloat(loadPath(kChunkThroughput, path));
-      uvec4 medium = loadPath(kChunkMedium, path);
       uint bounce = pathBounce(ids.w);
       bool missed = hit.x == 0xffffffffu, walks = kHasScatteringMedia && (ids.w & kFlagSubsurface) != 0u;
       // Inside of a body that scatters a ray ends after a free flight: a miss is a scattering event.
+      uvec4 medium = uvec4(0u);
+      if (kHasBodies) medium = loadPath(kChunkMedium, path);
       bool scatters = missed && mediumScatters(medium);
       escaped = missed && !scatters;
       if (!escaped) {
-        float t = uintBitsToFloat(loadPath(kChunkHitDistance, path).x);
-        float from = max(0.0, uintBitsToFloat(loadPath(kChunkRayOrigin, path).w));
-        throughput.rgb *= mediumWeight(medium, throughput.rgb, max(0.0, t - from), scatters);
-        if (bounce == 0u) radiance.a = 1.0;
+        if (kHasBodies) {
+          float t = uintBitsToFloat(loadPath(kChunkHitDistance, path).x);
+          float from = max(0.0, uintBitsToFloat(loadPath(kChunkRayOrigin, path).w));
+          throughput.rgb *= mediumWeight(medium, throughput.rgb, max(0.0, t - from), scatters);
+        }
+        if (bounce == 0u) ids.w |= kFlagCovered;
       }
       if (!missed && !walks) {
         escaped = kHasLightShapes && (instanceWord(hit.x, 3u).z & kInstanceKindMask) != kKindMesh;  // an analytic light scatters nothing
@@ -64,7 +60,10 @@ void main() {
       }
       bool last = bounce >= frame.maxBounces;
       // A walk leaves through the body that it entered; whatever else it meets is passed.
-      bool exits = walks && !missed && hit.x == loadPath(kChunkWalk, path).z;
+      bool exits = false;
+      if (kHasScatteringMedia) {
+        if (walks && !missed) exits = hit.x == loadPath(kChunkWalk, path).z;
+      }
       if (exits) queue = kQueueSubsurfaceExit;
       else if (walks) queue = kQueueSubsurfaceWalk;
       else if (scatters) queue = kQueueMediumScatter;
@@ -86,19 +85,15 @@ void main() {
         }
       }
       if (!ended) {
-        if (onSurface || exits) {
-          if (!last && frame.lightItemCount != 0u) pushQueue(kQueueLightSample, path);
-          else storePathF(kChunkLightRadiance, path, vec4(0.0));
-        }
+        if ((onSurface || exits) && !last && frame.lightItemCount != 0u) pushQueue(kQueueLightSample, path);
         storePathF(kChunkThroughput, path, throughput);
       }
     }
     if (ended) {
-      filmAddSample(ids.x, radiance.rgb, radiance.a);
+      filmAddSample(ids.x, uintBitsToFloat(loadPath(kChunkRadiance, path)).rgb, pathAlpha(ids.w));
       ids.w = kPhaseIdle;
       key = kBucketNewPath;
     } else {
-      storePathF(kChunkRadiance, path, radiance);
       // The escape kernel ends the path before new_path takes its place; or sends the ray on behind a light, which only
       // the camera sees as a body: the path then stands in no bucket. Nor do the paths of the other queues.
       if (queue != kNoQueue) pushQueue(queue, path);
@@ -120,6 +115,6 @@ void main() {
     if (phase == kPhaseReady || phase == kPhaseHeld) ids.w = withPhase(ids.w, kPhaseHeld);
     key = kNoBucket;
   }
-  if (phase == kPhaseReady || phase == kPhaseHeld) storePath(kChunkIds, path, ids);
+  if (phase == kPhaseReady || phase == kPhaseHeld) storePathWord(kChunkIds, path, 3u, ids.w);
   sendToBucket(path, key);
 }

@@ -45,7 +45,7 @@ void main() {
     uint flags = record.y != kNoLight ? kLightFlagShadows : floatBitsToUint(lightTexel(record.x, 0u)).y;
     float towards = phaseEval(g, dot(direction, light.direction));
     vec4 value = vec4(towards * mediumTransmittance(medium, light.distance), towards);
-    castShadowRay(path, ids, p, p, uvec4(0xffffffffu), throughput,
+    castShadowRay(path, p, p, uvec4(0xffffffffu), throughput,
                   vec4(light.direction, castsShadow(flags) ? light.distance : -light.distance), vec4(radiance, light.pdf), item, value);
     cone.z = item;
   }
@@ -53,7 +53,7 @@ void main() {
 
   storePathF(kChunkRayOrigin, path, vec4(p, 0.0));
   storePathF(kChunkRayDirection, path, vec4(wi, mediumFlight(medium, throughput, flight.x)));
-  storePath(kChunkHitDistance, path, uvec4(0u, 0xffffffffu, 0xffffffffu, floatBitsToUint(uintBitsToFloat(extra.w) + spread * uintBitsToFloat(extra.x))));
+  storePath(kChunkHitDistance, path, uvec4(2u, 0xffffffffu, 0xffffffffu, floatBitsToUint(uintBitsToFloat(extra.w) + spread * uintBitsToFloat(extra.x))));
   storePathF(kChunkThroughput, path, vec4(throughput, pdf));
   storePath(kChunkCone, path, uvec4(floatBitsToUint(min(spread + 0.125 * inversesqrt(pdf), 0.25)), cone.yzw));
   storePath(kChunkWalk, path, uvec4(event, lightPair, 0u, 0u));

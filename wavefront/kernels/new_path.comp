@@ -7,6 +7,7 @@
 #include "lib/bindings.glsl"
 #include "lib/path_state.glsl"
 #include "lib/queue.glsl"
+#include "lib/features.glsl"
 #include "lib/sampler.glsl"
 #include "lib/camera.glsl"
 layout(local_size_x = 64) in;
@@ -30,12 +31,14 @@ void main() {
 
   storePathF(kChunkRayOrigin, path, vec4(origin, tMin));
   storePathF(kChunkRayDirection, path, vec4(direction, tMax));
-  storePath(kChunkHitDistance, path, uvec4(0u, 0xffffffffu, 0xffffffffu, floatBitsToUint(frame.pixelWidth)));
+  storePath(kChunkHitDistance, path, uvec4(1u, 0xffffffffu, 0xffffffffu, floatBitsToUint(frame.pixelWidth)));
   storePathF(kChunkThroughput, path, vec4(1.0, 1.0, 1.0, 0.0));
   storePathF(kChunkRadiance, path, vec4(0.0));
   storePath(kChunkIds, path, uvec4(pixel, sampleIndex, seed, kPhaseReady));
-  storePath(kChunkMediaStack, path, uvec4(0u));
-  storePath(kChunkMedium, path, uvec4(0u));
+  if (kHasBodies) {
+    storePath(kChunkMediaStack, path, uvec4(0u));
+    storePath(kChunkMedium, path, uvec4(0u));
+  }
   storePathF(kChunkCone, path, vec4(frame.pixelSpread, time, 0.0, 0.0));
   pushExtensionRay(path);
 }

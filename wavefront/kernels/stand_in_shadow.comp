@@ -13,6 +13,5 @@ layout(local_size_x = 64) in;
 void main() {
   uint path;
   if (!bucketPath(path)) return;
-  uvec4 ids = loadPath(kChunkIds, path);
-  storePath(kChunkIds, path, uvec4(ids.xyz, withPhase(ids.w & ~kFlagShadow, kPhaseReady)));
+  storePathWord(kChunkIds, path, 3u, withPhase(loadPath(kChunkIds, path).w, kPhaseReady));
 }

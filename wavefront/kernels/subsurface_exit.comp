@@ -39,20 +39,22 @@ void main() {
   float pdf = dot(wi, ng) > 0.0 ? max(dot(wi, n), 0.0) * kBsdfInvPi : 0.0;
   vec3 error = surfacePointError(sp.instance, gCorner0, gCorner1, gCorner2, sp.positionWorld);
   vec4 light = uintBitsToFloat(loadPath(kChunkLightSample, path));
+  vec4 lightRadiance = uintBitsToFloat(loadPath(kChunkLightRadiance, path));
+  if (frame.lightItemCount == 0u) lightRadiance.a = 0.0;
   float towards = dot(light.xyz, ng) > 0.0 ? max(dot(light.xyz, n), 0.0) * kBsdfInvPi : 0.0;
-  castShadowRay(path, ids, sp.positionWorld, offsetRayOrigin(sp.positionWorld, error, ng, light.xyz), hit, throughput, light,
-                uintBitsToFloat(loadPath(kChunkLightRadiance, path)), cone.z,
+  castShadowRay(path, sp.positionWorld, offsetRayOrigin(sp.positionWorld, error, ng, light.xyz), hit, throughput, light,
+                lightRadiance, cone.z,
                 vec4(towards * mediumTransmittance(medium, abs(light.w)), towards));
 
   ids.w &= ~(kFlagSubsurface | kFlagMediumLight);
   storePath(kChunkMedium, path, medium);
   if (!(pdf > 0.0)) ids.w |= kFlagEnd;
-  storePath(kChunkIds, path, uvec4(ids.xyz, ids.w + (pdf > 0.0 ? 1u << kBounceShift : 0u)));
+  storePathWord(kChunkIds, path, 3u, ids.w + (pdf > 0.0 ? 1u << kBounceShift : 0u));
   if (!(pdf > 0.0)) return;
   float flight = samplePass(ids.z ^ 0x6a09e667u, ids.y, bounce, 0u);
   storePathF(kChunkRayOrigin, path, vec4(offsetRayOrigin(sp.positionWorld, error, ng, wi), 0.0));
   storePathF(kChunkRayDirection, path, vec4(wi, mediumScatters(medium) ? mediumFlight(medium, throughput, flight) : 3.4e38));
-  storePath(kChunkHitDistance, path, uvec4(0u, hit.x, hit.y, extra.w));
+  storePath(kChunkHitDistance, path, uvec4(2u, hit.x, hit.y, extra.w));
   storePathF(kChunkThroughput, path, vec4(throughput, pdf));
   storePath(kChunkCone, path, uvec4(floatBitsToUint(0.25), cone.yz, cone.w | kEventTransmission));
   pushExtensionRay(path);

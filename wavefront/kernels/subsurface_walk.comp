@@ -30,7 +30,7 @@ void main() {
   bool passes = hit.x != 0xffffffffu;
   storePath(kChunkWalk, path, uvec4(event, walk.yzw));
   storePathF(kChunkThroughput, path, vec4(throughput, 1.0));
-  storePath(kChunkHitDistance, path, passes ? uvec4(extra.x, hit.x, hit.y, extra.w) : uvec4(0u, 0xffffffffu, 0xffffffffu, extra.w));
+  storePath(kChunkHitDistance, path, passes ? uvec4(2u, hit.x, hit.y, extra.w) : uvec4(2u, 0xffffffffu, 0xffffffffu, extra.w));
   if (passes) {
     // The same flight, from behind that body.
     storePath(kChunkRayOrigin, path, uvec4(loadPath(kChunkRayOrigin, path).xyz, extra.x));

@@ -74,9 +74,11 @@ Status MaterialTable::Commit(bool* valuesChanged, bool* bindingsChanged) {
       info.parameters = parameters.Allocate(texels);
       *bindingsChanged = true;
     }
-    if (info.mediumPriority != data.mediumPriority || info.scatters != data.scatters) *bindingsChanged = true;
+    if (info.mediumPriority != data.mediumPriority || info.scatters != data.scatters || info.lightEnters != data.lightEnters)
+      *bindingsChanged = true;
     info.mediumPriority = data.mediumPriority;
     info.scatters = data.scatters;
+    info.lightEnters = data.lightEnters;
     info.kernelKey = data.kernelKey;
     info.path = data.path;
   }

@@ -33,7 +33,7 @@ struct MaterialInfo {
   std::string kernelKey;
   Range parameters;  // in texels
   uint32_t mediumPriority = 0;
-  bool scatters = false;
+  bool scatters = false, lightEnters = false;
 };
 
 class MaterialTable {

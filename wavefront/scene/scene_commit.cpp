@@ -188,6 +188,7 @@ uint32_t SceneStore::BindingFor(const InstanceData& group, const ResidentMesh& m
       if (bucket != layout::kNoBucket) usedBuckets_[bucket - layout::kFirstMaterialBucket] = true;
     }
     hasMedia_ = hasMedia_ || material->scatters;
+    hasBodies_ = hasBodies_ || material->lightEnters || material->scatters;
   }
   put(0, id, primvarCount, material != nullptr ? material->mediumPriority : 0u);
   const auto putPrimvar = [&](const std::string& name) {
@@ -247,7 +248,7 @@ void SceneStore::ReleaseRanges() {
   bindingTexels_.clear();
   bindingCache_.clear();
   usedBuckets_.assign(materials.buckets().size(), false);
-  hasMedia_ = false;
+  hasMedia_ = hasBodies_ = false;
 }
 
 // Order by path, never by arrival.
@@ -411,6 +412,7 @@ Status SceneStore::UploadRebuild(const Rebuild& b, uint32_t threads) {
   facts_.lightCount = lights.lightCount;
   facts_.instances = b.instanceCount;
   facts_.hasMedia = hasMedia_;
+  facts_.hasBodies = hasBodies_;
   return {};
 }
 

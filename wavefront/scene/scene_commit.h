@@ -20,7 +20,8 @@ struct SceneFacts {
   float sceneRadius = 1;
   Double3 origin;
   uint64_t instances = 0;
-  bool hasMedia = false;  // some body scatters light inside
+  bool hasMedia = false;   // some body scatters light inside
+  bool hasBodies = false;  // light enters some body
 };
 
 class SceneStore {
@@ -83,7 +84,7 @@ class SceneStore {
   std::vector<uint32_t> bindingTexels_;                 // being built
   std::map<std::vector<uint64_t>, uint32_t> bindingCache_;  // while building
   std::vector<bool> usedBuckets_;
-  bool hasMedia_ = false;
+  bool hasMedia_ = false, hasBodies_ = false;
   SceneFacts facts_;
 };
 

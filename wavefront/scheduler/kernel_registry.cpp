@@ -47,7 +47,8 @@ bool IsForMedia(Kernel kernel) {
 
 bool GoesByFeatures(Kernel kernel) {
   switch (kernel) {
-    case Kernel::Logic: case Kernel::LightSample: case Kernel::Escape: case Kernel::MediumScatter: case Kernel::ExtensionRay: return true;
+    case Kernel::Logic: case Kernel::LightSample: case Kernel::Escape: case Kernel::MediumScatter: case Kernel::NewPath:
+    case Kernel::ExtensionRay: return true;
     default: return false;
   }
 }
@@ -64,6 +65,7 @@ SceneFeatures SceneFeatures::Of(const SceneFacts& facts) {
   const bool LightTree = facts.lightTree != 0;
   const bool InfiniteLights = facts.infiniteLightCount != 0;
   const bool ScatteringMedia = facts.hasMedia;
+  const bool Bodies = facts.hasBodies;
   SceneFeatures features;
 #define WAVEFRONT_FEATURE(Name, index, doc) features.bits |= Name ? 1u << index : 0u;
 #include "wavefront/shared/features.def"
@@ -113,7 +115,7 @@ Result<std::unique_ptr<vulkan::ComputePipeline>> KernelRegistry::CreateFixed(Ker
   if (!pipeline) return pipeline;
   times_[k].compile.createSeconds = pipeline.value()->creationSeconds();
   times_[k].compile.spirvBytes = spirv.size_bytes();
-  times_[k].compile.state = StateTrafficOf(spirv);
+  times_[k].compile.state = StateTrafficOf(spirv, desc.specialization);
   return pipeline;
 }
 

@@ -31,7 +31,9 @@ constexpr uint32_t kPathChunks = 0
     ;
 static_assert(kQueueBase + kQueueKinds * kQueueStride <= kPathsDoneLo, "queue counters run into what follows");
 static_assert(kPathChunks <= 16, "512K paths must fit one storage-buffer binding of 128 MiB");
-constexpr uint32_t kChunkIds = 6;
+#define WAVEFRONT_PATH_CHUNK(Name, index, doc) constexpr uint32_t kChunk##Name [[maybe_unused]] = index;
+#include "wavefront/shared/path_state.def"
+#undef WAVEFRONT_PATH_CHUNK
 
 uint32_t DefaultPool(const vulkan::DeviceInfo& info, ExecutionMode mode) {
   // The megakernel needs no more paths than keep the device busy; fewer make shorter dispatches and stay in the cache.
@@ -229,7 +231,9 @@ Status PathTracer::BeginBand(uint32_t band) {
     for (std::size_t i = 0; i < clear.size(); ++i) clear[i] = film_.firstClear[i % film_.firstChannels];
     if (Status s = filmFirst_->Upload<uint32_t>(0, clear); !s) return s;
   }
-  stream_->Fill(*pathState_, static_cast<uint64_t>(kChunkIds) * poolSize_ * 16, static_cast<uint64_t>(poolSize_) * 16, 0);
+  // No path; and no medium: where light enters no body, nothing else writes that chunk, and materials read it.
+  for (uint32_t chunk : {kChunkIds, kChunkMedium})
+    stream_->Fill(*pathState_, static_cast<uint64_t>(chunk) * poolSize_ * 16, static_cast<uint64_t>(poolSize_) * 16, 0);
   stream_->Fill(*counters_, 0, 0, 0);
   stream_->Barrier();
   const uint32_t work[3] = {settings_.firstSample, 0, batchEnd_};

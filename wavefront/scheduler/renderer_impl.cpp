@@ -324,12 +324,11 @@ void RendererImpl::Publish() {
   const LoopStatus& loop = tracer_->status();
   RenderStats s;
   s.kernelsPending = tracer_->kernels().pending();
-  constexpr uint32_t kChunkBytes = 16;  // shared/path_state.def
   auto row = [&](const KernelTimes& t) {
     const CompileCost& c = t.compile;
     s.kernels.push_back({t.name, t.seconds * 1e3, 0, t.dispatches, "ready", c.codeMilliseconds, c.codeFromCache, c.createSeconds * 1e3,
                          c.firstDispatchSeconds * 1e3, c.spirvBytes, c.spirvInstructions,
-                         kChunkBytes * c.state.chunksRead, kChunkBytes * c.state.chunksWritten, c.driverStatistics});
+                         c.state.bytesRead, c.state.bytesWritten, c.driverStatistics});
   };
   for (const KernelTimes& t : tracer_->kernels().times()) row(t);
   for (std::size_t k = kKernelCount; k < s.kernels.size(); ++k) {

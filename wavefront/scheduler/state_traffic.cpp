@@ -18,11 +18,13 @@ enum BindingNumber : uint32_t {
 // Of the SPIR-V specification, section 3.
 constexpr uint32_t kMagic = 0x07230203, kHeaderWords = 5;
 enum Op : uint32_t {
-  kOpEntryPoint = 15, kOpConstantTrue = 41, kOpConstantFalse = 42, kOpFunction = 54, kOpFunctionEnd = 56, kOpFunctionCall = 57,
-  kOpLoad = 61, kOpStore = 62, kOpAccessChain = 65, kOpDecorate = 71, kOpImageFetch = 95, kOpLoopMerge = 246, kOpLabel = 248, kOpBranch = 249,
+  kOpEntryPoint = 15, kOpConstantTrue = 41, kOpConstantFalse = 42, kOpSpecConstantTrue = 48, kOpSpecConstantFalse = 49, kOpFunction = 54, kOpFunctionEnd = 56,
+  kOpFunctionCall = 57, kOpLoad = 61, kOpStore = 62, kOpAccessChain = 65, kOpDecorate = 71, kOpImageFetch = 95, kOpLoopMerge = 246, kOpLabel = 248, kOpBranch = 249,
   kOpBranchConditional = 250, kOpSwitch = 251
 };
-constexpr uint32_t kDecorationBinding = 33;
+constexpr uint32_t kDecorationSpecId = 1, kDecorationBinding = 33;
+constexpr uint32_t kChunkBytes = 16, kWordBytes = 4;
+constexpr uint32_t kChunkChain = 6;  // words of an access chain to a chunk: the block's member, the chunk's index
 
 struct Block {
   StateTraffic own;
@@ -35,12 +37,15 @@ struct Function {
   std::unordered_map<uint32_t, std::size_t> places;  // of labels
 };
 
-StateTraffic Sum(StateTraffic a, const StateTraffic& b) { return {a.chunksRead + b.chunksRead, a.chunksWritten + b.chunksWritten}; }
-uint32_t Total(const StateTraffic& t) { return t.chunksRead + t.chunksWritten; }
+StateTraffic Sum(StateTraffic a, const StateTraffic& b) { return {a.bytesRead + b.bytesRead, a.bytesWritten + b.bytesWritten}; }
+uint32_t Total(const StateTraffic& t) { return t.bytesRead + t.bytesWritten; }
 
 class Module {
  public:
-  explicit Module(std::span<const uint32_t> spirv) { valid_ = Read(spirv); }
+  Module(std::span<const uint32_t> spirv, std::span<const std::pair<uint32_t, uint32_t>> specialization)
+      : specialization_(specialization.begin(), specialization.end()) {
+    valid_ = Read(spirv);
+  }
   StateTraffic OfEntryPoint() { return valid_ ? Of(entry_) : StateTraffic{}; }
 
  private:
@@ -50,8 +55,9 @@ class Module {
 
   bool valid_ = false;
   uint32_t entry_ = 0;
-  std::unordered_set<uint32_t> read_, written_;     // variables of the two bindings
-  std::unordered_set<uint32_t> images_, elements_;  // the first, loaded; pointers into the second
+  std::unordered_set<uint32_t> read_, written_, images_;  // variables of the two bindings; the first, loaded
+  std::unordered_map<uint32_t, uint32_t> elements_;       // bytes behind pointers into the second
+  std::unordered_map<uint32_t, uint32_t> specialization_, specIds_;  // values by constant_id; that by the constant
   std::unordered_map<uint32_t, bool> constants_;
   std::unordered_map<uint32_t, Function> functions_;
   std::unordered_map<uint32_t, StateTraffic> known_;
@@ -70,11 +76,17 @@ bool Module::Read(std::span<const uint32_t> spirv) {
     switch (op) {
       case kOpEntryPoint: entry_ = word(2); break;
       case kOpDecorate:
+        if (word(2) == kDecorationSpecId) specIds_[word(1)] = word(3);
         if (word(2) != kDecorationBinding) break;
         if (word(3) == kPathStateRead) read_.insert(word(1));
         if (word(3) == kPathStateWrite) written_.insert(word(1));
         break;
       case kOpConstantTrue: case kOpConstantFalse: constants_[word(2)] = op == kOpConstantTrue; break;
+      case kOpSpecConstantTrue: case kOpSpecConstantFalse: {
+        const auto given = specialization_.find(specIds_.count(word(2)) ? specIds_[word(2)] : ~0u);
+        constants_[word(2)] = given == specialization_.end() ? op == kOpSpecConstantTrue : given->second != 0;
+        break;
+      }
       case kOpFunction: function_ = &functions_[word(2)]; break;
       case kOpFunctionEnd: function_ = nullptr; break;
       case kOpLabel:
@@ -84,9 +96,9 @@ bool Module::Read(std::span<const uint32_t> spirv) {
         break;
       case kOpFunctionCall: block.calls.push_back(word(3)); break;
       case kOpLoad: if (read_.count(word(3))) images_.insert(word(2)); break;
-      case kOpImageFetch: block.own.chunksRead += static_cast<uint32_t>(images_.count(word(3))); break;
-      case kOpAccessChain: if (written_.count(word(3))) elements_.insert(word(2)); break;
-      case kOpStore: block.own.chunksWritten += static_cast<uint32_t>(elements_.count(word(1))); break;
+      case kOpImageFetch: block.own.bytesRead += images_.count(word(3)) ? kChunkBytes : 0; break;
+      case kOpAccessChain: if (written_.count(word(3))) elements_[word(2)] = count > kChunkChain ? kWordBytes : kChunkBytes; break;
+      case kOpStore: if (auto to = elements_.find(word(1)); to != elements_.end()) block.own.bytesWritten += to->second; break;
       case kOpLoopMerge: block.loopMerge = word(1); break;
       case kOpBranch: case kOpBranchConditional: case kOpSwitch:
         if (function_ != nullptr && !function_->blocks.empty()) Branch(words);
@@ -140,6 +152,8 @@ StateTraffic Module::Of(uint32_t id) {
 
 }  // namespace
 
-StateTraffic StateTrafficOf(std::span<const uint32_t> spirv) { return Module(spirv).OfEntryPoint(); }
+StateTraffic StateTrafficOf(std::span<const uint32_t> spirv, std::span<const std::pair<uint32_t, uint32_t>> specialization) {
+  return Module(spirv, specialization).OfEntryPoint();
+}
 
 }  // namespace wavefront

@@ -5,6 +5,7 @@
 
 #include <initializer_list>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "wavefront/renderer.h"
@@ -19,7 +20,7 @@ void Add(std::vector<uint32_t>& module, uint32_t op, std::initializer_list<uint3
   module.insert(module.end(), operands);
 }
 
-// main (10) stores one element and calls f (20) twice; f fetches one texel and stores one element. Variable 1 is
+// main (10) stores a word of one element and calls f (20) twice; f fetches one texel and stores one element. Variable 1 is
 // path state as it is written (binding 1), 2 as it is read (binding 2), 3 another storage buffer.
 std::vector<uint32_t> Module() {
   std::vector<uint32_t> m = {0x07230203, 0x00010300, 0, 100, 0};
@@ -40,7 +41,7 @@ std::vector<uint32_t> Module() {
   Add(m, 248, {61});
   Add(m, 57, {90, 33, 20});
   Add(m, 57, {90, 34, 20});
-  Add(m, 65, {93, 35, 1, 40});
+  Add(m, 65, {93, 35, 1, 41, 40, 42});
   Add(m, 62, {35, 30});
   Add(m, 56, {});
   Add(m, 54, {90, 50, 0, 91});  // nobody calls it
@@ -53,18 +54,19 @@ std::vector<uint32_t> Module() {
 
 TEST(StateTraffic, CountsPlacesThroughCalls) {
   const StateTraffic traffic = StateTrafficOf(Module());
-  EXPECT_EQ(traffic.chunksRead, 2u);
-  EXPECT_EQ(traffic.chunksWritten, 3u);
+  EXPECT_EQ(traffic.bytesRead, 2u * 16);
+  EXPECT_EQ(traffic.bytesWritten, 2u * 16 + 4);
 }
 
 // main: a loop (header 70, body 71, its end 72, behind it 73) whose body loads once; then, by a condition, one load (74)
-// or two stores (75); then, by a constant that is false, three stores (77) or nothing; then one store (78).
-std::vector<uint32_t> Branches() {
+// or two stores (75); then, by a constant (96) that is false, three stores (77) or nothing; then one store (78).
+std::vector<uint32_t> Branches(bool specialized) {
   std::vector<uint32_t> m = {0x07230203, 0x00010300, 0, 200, 0};
   Add(m, 15, {5, 10, 0x6e69616d, 0});
   Add(m, 71, {1, 33, 1});
   Add(m, 71, {2, 33, 2});
-  Add(m, 42, {95, 96});  // false
+  if (specialized) Add(m, 71, {96, 1, 1007});
+  Add(m, specialized ? 49 : 42, {95, 96});  // false
   const auto load = [&] { Add(m, 95, {94, 36, 30, 40}); };
   const auto store = [&] { Add(m, 65, {93, 31, 1, 40}); Add(m, 62, {31, 30}); };
   Add(m, 54, {90, 10, 0, 91});
@@ -101,25 +103,30 @@ std::vector<uint32_t> Branches() {
 }
 
 TEST(StateTraffic, IsThatOfTheWayWithMost) {
-  const StateTraffic traffic = StateTrafficOf(Branches());
-  EXPECT_EQ(traffic.chunksRead, 1u);     // the loop's; not that of the other branch
-  EXPECT_EQ(traffic.chunksWritten, 3u);  // two of that branch, and the last; not what a constant rules out
+  for (const bool specialized : {false, true}) {
+    const StateTraffic traffic = StateTrafficOf(Branches(specialized));
+    EXPECT_EQ(traffic.bytesRead, 1u * 16);     // the loop's; not that of the other branch
+    EXPECT_EQ(traffic.bytesWritten, 3u * 16);  // two of that branch, and the last; not what a constant rules out
+  }
+  const std::pair<uint32_t, uint32_t> other(1008, 1), yes(1007, 1);
+  EXPECT_EQ(StateTrafficOf(Branches(true), {&other, 1}).bytesWritten, 3u * 16);
+  EXPECT_EQ(StateTrafficOf(Branches(true), {&yes, 1}).bytesWritten, 6u * 16);
 }
 
 TEST(StateTraffic, BrokenModulesHaveNone) {
   std::vector<uint32_t> module = Module();
   module[5] = 0;  // an instruction without words
-  EXPECT_EQ(StateTrafficOf(module).chunksRead, 0u);
-  EXPECT_EQ(StateTrafficOf({}).chunksWritten, 0u);
+  EXPECT_EQ(StateTrafficOf(module).bytesRead, 0u);
+  EXPECT_EQ(StateTrafficOf({}).bytesWritten, 0u);
 }
 
 TEST(StateTraffic, IsSeenInTheKernels) {
   // A new path's state is written, none is read; a ray reads where it begins, and writes what it found.
   const StateTraffic newPath = StateTrafficOf(KernelSpirv("new_path")), ray = StateTrafficOf(KernelSpirv("extension_ray"));
-  EXPECT_GE(newPath.chunksWritten, 4u);
-  EXPECT_GE(ray.chunksRead, 2u);
-  EXPECT_GE(ray.chunksWritten, 2u);
-  EXPECT_LE(ray.chunksRead + ray.chunksWritten, 32u);
+  EXPECT_GE(newPath.bytesWritten, 4u * 16);
+  EXPECT_GE(ray.bytesRead, 2u * 16);
+  EXPECT_EQ(ray.bytesWritten, 16u + 4);  // the hit, and its distance
+  EXPECT_LE(ray.bytesRead + ray.bytesWritten, 128u);
 }
 
 TEST(CopyBandwidth, IsMeasuredOnTheDeviceThatIsChosen) {

@@ -110,6 +110,7 @@ inline MaterialData MakeMaterial(const std::string& kernel, Float3 albedo, float
           {{absorption.x, absorption.y, absorption.z, anisotropy}, {scattering.x, scattering.y, scattering.z, 1},
            {albedo.x, albedo.y, albedo.z, opacity}, {emission.x, emission.y, emission.z, 0}}};
   data.scatters = kernel == "wax" || scattering.x + scattering.y + scattering.z > 0;
+  data.lightEnters = kernel == "wax" || kernel == "glass";
   return data;
 }
 

@@ -17,7 +17,7 @@ SceneFacts Lights(uint32_t infinite, uint32_t shapes, uint32_t triangles) {
   return facts;
 }
 
-constexpr uint32_t kLightShapes = 1, kEmissiveMeshes = 2, kLightTree = 4, kInfiniteLights = 8, kScatteringMedia = 16;
+constexpr uint32_t kLightShapes = 1, kEmissiveMeshes = 2, kLightTree = 4, kInfiniteLights = 8, kScatteringMedia = 16, kBodies = 32;
 
 TEST(SceneFeatures, AreThoseOfTheScene) {
   EXPECT_EQ(SceneFeatures::Of(Lights(0, 0, 0)).bits, 0u);
@@ -28,6 +28,9 @@ TEST(SceneFeatures, AreThoseOfTheScene) {
   facts.lightTree = 7;
   facts.hasMedia = true;
   EXPECT_EQ(SceneFeatures::Of(facts).bits, kEmissiveMeshes | kLightTree | kScatteringMedia);
+  facts = {};
+  facts.hasBodies = true;
+  EXPECT_EQ(SceneFeatures::Of(facts).bits, kBodies);
 }
 
 class SceneFeaturesTest : public vulkan::VulkanTest {};

@@ -5,10 +5,14 @@
 #ifndef WAVEFRONT_LIB_CONTRIBUTE_GLSL
 #define WAVEFRONT_LIB_CONTRIBUTE_GLSL
 #include "lib/bindings.glsl"
+#include "lib/path_state.glsl"
 
 // Events of a path so far (chunk Cone, last word).
 const uint kEventReflection = 1u;
 const uint kEventTransmission = 2u;
+
+// Nothing is told apart yet: where events and light would be read for contribute() alone, they are not.
+const bool kTellsApart = false;
 
 const uint kNoLightGroup = 0u;  // also of emissive meshes: nothing gives them a group yet
 
@@ -20,8 +24,15 @@ uint lightItemGroup(uint item) {
   return lightGroup(floatBitsToUint(texelFetch(lightRecords, int(chosen.x * kLightTexels)).y));
 }
 
-// `radiance`: rgb gathered so far and alpha. `value`: throughput and MIS weight included.
-vec4 contribute(vec4 radiance, vec3 value, uint events, uint lightGroup) {
-  return vec4(radiance.rgb + value, radiance.a);
+// `radiance`: gathered so far. `value`: throughput and MIS weight included.
+vec3 contribute(vec3 radiance, vec3 value, uint events, uint lightGroup) { return radiance + value; }
+
+// What chunk Radiance gains from the light sample that was seen.
+void addSeenLight(uint path, vec3 contribution) {
+  uvec2 sampled = uvec2(0u);  // the light item; events
+  if (kTellsApart) sampled = loadPath(kChunkCone, path).zw;
+  vec3 radiance = uintBitsToFloat(loadPath(kChunkRadiance, path)).rgb;
+  radiance = contribute(radiance, contribution, sampled.y, kTellsApart ? lightItemGroup(sampled.x) : kNoLightGroup);
+  storePathF(kChunkRadiance, path, vec4(radiance, 0.0));
 }
 #endif

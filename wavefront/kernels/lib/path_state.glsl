@@ -23,23 +23,26 @@ const uint kPassShift = 12u;
 const uint kShadowPassShift = 20u;
 const uint kFlagAovWritten = 0x10000000u;   // first hit's AOVs are in the film
 const uint kFlagEnd = 0x40000000u;          // the path is over once its shadow ray is done; no extension ray was cast
-const uint kFlagShadow = 0x20000000u;       // ShadowContribution is to be added (unless found blocked)
+const uint kFlagCovered = 0x20000000u;      // the camera ray met something: alpha 1
 const uint kFlagMediumLight = 0x80000000u;  // the light was sampled from a point inside of a body
 
 uvec4 fetchPath(uint chunk, uint path) { return texelFetch(pathStateRead, int(chunk * frame.poolSize + path)); }
 void writePath(uint chunk, uint path, uvec4 value) { pathStateWrite[chunk * frame.poolSize + path] = value; }
 
-// Kernels go by these three. In the megakernel the state of an invocation's one path stays in registers.
+// Kernels go by these four. In the megakernel the state of an invocation's one path stays in registers.
 #ifdef WAVEFRONT_MEGAKERNEL
 #include "megakernel/state.glsl"
 #else
 uvec4 loadPath(uint chunk, uint path) { return fetchPath(chunk, path); }
 void storePath(uint chunk, uint path, uvec4 value) { writePath(chunk, path, value); }
+// One word of a chunk: a quarter of the bytes, and no need to know the others.
+void storePathWord(uint chunk, uint path, uint word, uint value) { pathStateWrite[chunk * frame.poolSize + path][word] = value; }
 #endif
 void storePathF(uint chunk, uint path, vec4 value) { storePath(chunk, path, floatBitsToUint(value)); }
 
 uint pathBounce(uint flags) { return (flags >> kBounceShift) & 0xffu; }
 uint pathPasses(uint flags) { return (flags >> kPassShift) & 0xffu; }
 uint pathShadowPasses(uint flags) { return (flags >> kShadowPassShift) & 0xffu; }
+float pathAlpha(uint flags) { return (flags & kFlagCovered) != 0u ? 1.0 : 0.0; }
 uint withPhase(uint flags, uint phase) { return (flags & ~kPhaseMask) | phase; }
 #endif

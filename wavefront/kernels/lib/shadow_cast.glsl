@@ -9,7 +9,7 @@
 
 // `at`: the point that the light was sampled from; `from`: where the ray starts, off the surface; `skip`: the surface
 // that it starts on, as in chunk ShadowHit. `value`: what scatters towards the light, and its pdf.
-void castShadowRay(uint path, inout uvec4 ids, vec3 at, vec3 from, uvec4 skip, vec3 throughput, vec4 light, vec4 lightRadiance,
+void castShadowRay(uint path, vec3 at, vec3 from, uvec4 skip, vec3 throughput, vec4 light, vec4 lightRadiance,
                    uint item, vec4 value) {
   if (!(lightRadiance.a > 0.0)) return;
   bool shadowless = light.w < 0.0;
@@ -29,7 +29,6 @@ void castShadowRay(uint path, inout uvec4 ids, vec3 at, vec3 from, uvec4 skip, v
   storePathF(kChunkLightSample, path, light);
   storePath(kChunkShadowContribution, path, uvec4(floatBitsToUint(contribution), triangle ? item : kNoLight));
   storePath(kChunkShadowHit, path, skip);
-  ids.w |= kFlagShadow;
   pushShadowRay(path);
 }
 #endif

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the hdWavefront authors
-// Emission kernel: the light sample lies on an emissive triangle of this material and is seen; multiplies its radiance.
-// Reads: Ids, ShadowContribution, LightSample, Cone, Walk. Writes: ShadowContribution, Ids. Runs after: scatter.
+// Emission kernel: the light sample lies on an emissive triangle of this material and is seen; adds its radiance.
+// Reads: Ids, ShadowContribution, LightSample, Cone, Walk, Radiance. Writes: Radiance, Ids. Runs after: scatter.
+#include "lib/contribute.glsl"
+
 vec2 emissionTriangleSample(vec2 u) {   // as sampleTriangle in lights/light_table.glsl
   if (u.y > u.x) { u.x *= 0.5; u.y -= u.x; } else { u.y *= 0.5; u.x -= u.y; }
   return vec2(1.0 - u.x - u.y, u.y);
@@ -19,6 +21,6 @@ void main() {
   vec2 b = emissionTriangleSample(sample2D(ids.z, ids.y, pair));
   ShadingPoint sp = shadingPointMake(item.x, item.y, b, -light.xyz, 0.0, uintBitsToFloat(loadPath(kChunkCone, path)).y);
   vec3 contribution = uintBitsToFloat(contributionItem.rgb) * max(materialEmission(sp), vec3(0.0));
-  storePath(kChunkShadowContribution, path, uvec4(floatBitsToUint(contribution), kNoLight));
-  storePath(kChunkIds, path, uvec4(ids.xyz, withPhase(ids.w, kPhaseReady)));
+  addSeenLight(path, contribution);
+  storePathWord(kChunkIds, path, 3u, withPhase(ids.w, kPhaseReady));
 }

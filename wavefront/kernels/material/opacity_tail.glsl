@@ -17,12 +17,10 @@ void main() {
   bool over = passes >= frame.maxTransparency;
   if (over) reportError(kErrorTransparency);
   ids.w = withPhase(ids.w, kPhaseReady);
-  if (over || max(contribution.r, max(contribution.g, contribution.b)) <= 0.0) {
-    ids.w &= ~kFlagShadow;
-  } else {
+  if (!over && !(max(contribution.r, max(contribution.g, contribution.b)) <= 0.0)) {
     ids.w += 1u << kShadowPassShift;
     storePath(kChunkShadowContribution, path, uvec4(floatBitsToUint(contribution), contributionItem.w));
     pushShadowRay(path);
   }
-  storePath(kChunkIds, path, ids);
+  storePathWord(kChunkIds, path, 3u, ids.w);
 }

@@ -53,22 +53,23 @@ void filmFirstHit(uvec4 ids, ShadingPoint sp, Closure c) {
 }
 
 // The ray goes on behind this hit as if nothing were there: it keeps its origin and moves its start forward.
-void passOn(uint path, uvec4 ids, uvec4 hit, uvec4 extra, vec3 origin, vec3 throughput, float bsdfPdf) {
+void passOn(uint path, uvec4 ids, uvec4 hit, uvec4 extra, vec3 throughput, float bsdfPdf) {
   if (pathPasses(ids.w) >= frame.maxTransparency) {
     reportError(kErrorTransparency);
-    storePath(kChunkIds, path, uvec4(ids.xyz, ids.w | kFlagEnd));
+    storePathWord(kChunkIds, path, 3u, ids.w | kFlagEnd);
     return;
   }
+  bool camera = pathBounce(ids.w) == 0u && (ids.w & kFlagSubsurface) == 0u;
   storePathF(kChunkThroughput, path, vec4(throughput, bsdfPdf));
-  storePath(kChunkRayOrigin, path, uvec4(floatBitsToUint(origin), extra.x));
-  storePath(kChunkHitDistance, path, uvec4(extra.x, hit.x, hit.y, extra.w));
-  storePath(kChunkIds, path, uvec4(ids.xyz, ids.w + (1u << kPassShift)));
+  storePathWord(kChunkRayOrigin, path, 3u, extra.x);
+  storePath(kChunkHitDistance, path, uvec4(camera ? 1u : 2u, hit.x, hit.y, extra.w));
+  storePathWord(kChunkIds, path, 3u, ids.w + (1u << kPassShift));
   pushExtensionRay(path);
 }
 
 // Passing through by opacity: the surface is there with probability mean(opacity). What gets through costs no bounce.
 // True: the ray goes on, this hit is done with.
-bool passThrough(uint path, uvec4 ids, Closure c, inout vec3 throughput) {
+bool passThrough(inout uvec4 ids, Closure c, inout vec3 throughput) {
   vec3 opacity = clamp(c.opacity, vec3(0.0), vec3(1.0));
   float present = (opacity.r + opacity.g + opacity.b) * (1.0 / 3.0);
   uint bounce = pathBounce(ids.w);
@@ -77,11 +78,8 @@ bool passThrough(uint path, uvec4 ids, Closure c, inout vec3 throughput) {
     return false;
   }
   throughput *= (vec3(1.0) - opacity) / max(1.0 - present, 1e-6);
-  if (bounce == 0u) {
-    // The logic kernel counted this hit as coverage before it was known that the camera sees past it.
-    vec4 radiance = uintBitsToFloat(loadPath(kChunkRadiance, path));
-    storePathF(kChunkRadiance, path, vec4(radiance.rgb, 0.0));
-  }
+  // The logic kernel counted this hit as coverage before it was known that the camera sees past it.
+  if (bounce == 0u) ids.w &= ~kFlagCovered;
   return true;
 }
 
@@ -137,17 +135,17 @@ void main() {
     if (!boundary.isThere) {
       storePath(kChunkMediaStack, path, boundary.beyond);
       if (!boundary.fits) reportError(kErrorMediaStack);
-      passOn(path, ids, hit, extra, origin, throughput, throughputPdf.a);
+      passOn(path, ids, hit, extra, throughput, throughputPdf.a);
       return;
     }
   }
   Closure c;
   closureMake(sp, c);
-  if (kHasOpacity && passThrough(path, ids, c, throughput)) {
+  if (kHasOpacity && passThrough(ids, c, throughput)) {
     // Colours were filtered, and the choice of the flight's channel follows them: a new flight from here.
     float flight = t + mediumFlight(medium, throughput, samplePass(ids.z ^ 0x3c6ef372u, ids.y, bounce, pathPasses(ids.w)));
     if (mediumScatters(medium)) storePathF(kChunkRayDirection, path, vec4(-wo, flight));
-    passOn(path, ids, hit, extra, origin, throughput, throughputPdf.a);
+    passOn(path, ids, hit, extra, throughput, throughputPdf.a);
     return;
   }
 
@@ -156,17 +154,19 @@ void main() {
     ids.w |= kFlagAovWritten;
   }
   if (kHasEmission) {
-    vec4 radiance = uintBitsToFloat(loadPath(kChunkRadiance, path));
-    storePathF(kChunkRadiance, path, contribute(radiance, throughput * surfaceEmission(sp, c, throughputPdf.a, origin, t), coneBits.w, kNoLightGroup));
+    vec3 radiance = uintBitsToFloat(loadPath(kChunkRadiance, path)).rgb;
+    radiance = contribute(radiance, throughput * surfaceEmission(sp, c, throughputPdf.a, origin, t), coneBits.w, kNoLightGroup);
+    storePathF(kChunkRadiance, path, vec4(radiance, 0.0));
   }
   ids.w &= ~((0xffu << kPassShift) | (0xffu << kShadowPassShift) | kFlagMediumLight);
   if (bounce >= frame.maxBounces) {
-    storePath(kChunkIds, path, uvec4(ids.xyz, ids.w | kFlagEnd));
+    storePathWord(kChunkIds, path, 3u, ids.w | kFlagEnd);
     return;
   }
 
   vec4 light = uintBitsToFloat(loadPath(kChunkLightSample, path));
   vec4 lightRadiance = uintBitsToFloat(loadPath(kChunkLightRadiance, path));
+  if (frame.lightItemCount == 0u) lightRadiance.a = 0.0;
   vec3 wi = closureSample(c, wo, sample1D(ids.z, ids.y, bouncePair(bounce, kPairLobe)), sample2D(ids.z, ids.y, bouncePair(bounce, kPairDirection)));
 
   // Both directions through one evaluation site: compile time follows the sites, not the trips.
@@ -190,7 +190,7 @@ void main() {
   vec3 error = surfacePointError(sp.instance, gCorner0, gCorner1, gCorner2, sp.positionWorld);
   bool litBeyond = (dot(light.xyz, sp.normalGeometric) >= 0.0) != front;
   lit.rgb *= mediumTransmittance(kHasTransmission && litBeyond ? beyond : medium, abs(light.w));
-  castShadowRay(path, ids, sp.positionWorld, offsetRayOrigin(sp.positionWorld, error, sp.normalGeometric, light.xyz), hit, throughput,
+  castShadowRay(path, sp.positionWorld, offsetRayOrigin(sp.positionWorld, error, sp.normalGeometric, light.xyz), hit, throughput,
                 light, lightRadiance, coneBits.z, lit);
   bool transmitted = (dot(wi, sp.normalGeometric) >= 0.0) != front;
   bool walks = false;
@@ -209,20 +209,24 @@ void main() {
     }
   }
   if (!(sampled.a > 0.0) || !(max(sampled.r, max(sampled.g, sampled.b)) > 0.0)) {
-    storePath(kChunkIds, path, uvec4(ids.xyz, ids.w | kFlagEnd));
+    storePathWord(kChunkIds, path, 3u, ids.w | kFlagEnd);
     return;
   }
   uint events = coneBits.w | (transmitted ? kEventTransmission : kEventReflection);
   bool enters = walks;
-  if (kHasTransmission && transmitted && !walks) {
-    if (!boundary.fits) reportError(kErrorMediaStack);
-    storePath(kChunkMediaStack, path, boundary.beyond);
-    enters = true;
+  if (kHasTransmission) {
+    if (transmitted && !walks) {
+      if (!boundary.fits) reportError(kErrorMediaStack);
+      storePath(kChunkMediaStack, path, boundary.beyond);
+      enters = true;
+    }
   }
-  if (enters) {
-    medium = beyond;
-    storePath(kChunkMedium, path, medium);
-    storePath(kChunkWalk, path, uvec4(0u, 0u, hit.x, 0u));
+  if (kHasTransmission || kHasSubsurface) {
+    if (enters) {
+      medium = beyond;
+      storePath(kChunkMedium, path, medium);
+      storePath(kChunkWalk, path, uvec4(0u, 0u, hit.x, 0u));
+    }
   }
 
   // Bodies that scatter: no farther than the next event.
@@ -233,11 +237,12 @@ void main() {
   storePathF(kChunkRayOrigin, path, vec4(offsetRayOrigin(sp.positionWorld, error, sp.normalGeometric, wi), 0.0));
   storePathF(kChunkRayDirection, path, vec4(wi, mediumScatters(medium) ? flight : 3.4e38));
   // A planar surface cannot be hit again by a ray that leaves it: named, it is skipped whatever rounding says.
-  storePath(kChunkHitDistance, path, uvec4(0u, hit.x, hit.y, floatBitsToUint(coneWidth)));
+  storePath(kChunkHitDistance, path, uvec4(2u, hit.x, hit.y, floatBitsToUint(coneWidth)));
   storePathF(kChunkThroughput, path, vec4(throughput, sampled.a));
   // A rough bounce widens the cone: about the angle of the solid angle 1/pdf, bounded so that textures never turn to mush.
-  storePath(kChunkCone, path, uvec4(floatBitsToUint(min(spread + 0.125 * inversesqrt(sampled.a), 0.25)), coneBits.yz, events));
+  storePathWord(kChunkCone, path, 0u, floatBitsToUint(min(spread + 0.125 * inversesqrt(sampled.a), 0.25)));
+  storePathWord(kChunkCone, path, 3u, events);
   // A walk is one bounce, counted where it leaves.
-  storePath(kChunkIds, path, uvec4(ids.xyz, walks ? ids.w | kFlagSubsurface : ids.w + (1u << kBounceShift)));
+  storePathWord(kChunkIds, path, 3u, walks ? ids.w | kFlagSubsurface : ids.w + (1u << kBounceShift));
   pushExtensionRay(path);
 }

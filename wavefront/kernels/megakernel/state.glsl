@@ -16,6 +16,7 @@ uvec4 megaState[kPathChunks];
 
 uvec4 loadPath(uint chunk, uint path) { return megaState[chunk]; }
 void storePath(uint chunk, uint path, uvec4 value) { megaState[chunk] = value; }
+void storePathWord(uint chunk, uint path, uint word, uint value) { megaState[chunk][word] = value; }
 
 void fetchState(uint path) {
   [[unroll]] for (uint chunk = 0u; chunk < kPathChunks; ++chunk) megaState[chunk] = fetchPath(chunk, path);
