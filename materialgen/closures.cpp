@@ -10,8 +10,8 @@
 namespace materialgen {
 
 // Where we depart from the library's graphs, by graph and node. UsdPreviewSurface: MaterialX makes its transparency a
-// refracting interface; USD's renderers let light through straight, shadows included, and keep the highlights, which is
-// what assets are made for (cut-out leaves, windows of one sheet).
+// refracting interface. An opacity that varies over the surface draws leaves, decals and cards: open sheets, which light
+// passes straight, shadows included. So it does with an index of 1, where that is what refraction is.
 bool NodeEvaluator::EvaluateOverride(Port* result) {
   if (!node_.owner) return false;
   if (node_.owner->category == "standard_surface" && node_.name == "transmission_bsdf") {
@@ -27,7 +27,9 @@ bool NodeEvaluator::EvaluateOverride(Port* result) {
     return true;
   }
   if (node_.owner->category != "UsdPreviewSurface") return false;
-  if (node_.name == "transmission_bsdf") {
+  const Id opacity = OwnerIn("opacity");
+  const bool isDrawn = opacity != kNone && e_[opacity].rate == Class::Varying;
+  if (node_.name == "transmission_bsdf" && (isDrawn || e_.Decide(In("ior"), 1))) {
     Bsdf through;
     through.kind = Bsdf::Kind::PassThrough;
     b_.bsdfs_.push_back(through);

@@ -194,10 +194,34 @@ TEST(MaterialGen, OpacityModes) {
     return !RunNetwork(Preview(std::move(p))).material.kernel->opacity.empty();
   };
   EXPECT_FALSE(opacity({{"opacity", 1.0f}}));
-  EXPECT_TRUE(opacity({{"opacity", 0.99f}}));
+  EXPECT_FALSE(opacity({{"opacity", 0.99f}})) << "light refracts, and does not pass";
+  EXPECT_TRUE(opacity({{"opacity", 0.99f}, {"ior", 1.0f}}));
   EXPECT_TRUE(opacity({{"opacity", 0.5f}, {"opacityMode", std::string("presence")}}));
   EXPECT_FALSE(opacity({{"opacity", 0.5f}, {"opacityThreshold", 0.25f}})) << "above the threshold: opaque";
   EXPECT_TRUE(opacity({{"opacity", 0.2f}, {"opacityThreshold", 0.25f}})) << "below the threshold: absent";
+}
+
+// A constant opacity makes a body that refracts, as MaterialX's graph says; one that varies over the surface, an open sheet
+// that light passes straight; a threshold or `presence`, a hole.
+TEST(MaterialGen, TransparencyOfPreviewSurfacesRefractsWhereOpacityDoesNotVary) {
+  const auto refracts = [](const MaterialNetwork& network) {
+    const std::vector<std::string> lobes = Lobes(RunNetwork(network));
+    return std::count(lobes.begin(), lobes.end(), "dielectric_transmission") > 0;
+  };
+  const auto connected = [](const std::string& kind, std::map<std::string, Value> parameters, const char* output) {
+    MaterialNetwork network = Preview();
+    network.nodes.push_back({"/Looks/m/opacity", kind, std::move(parameters)});
+    network.connections.push_back({"/Looks/m/opacity", output, "/Looks/m/surface", "opacity"});
+    return network;
+  };
+  EXPECT_TRUE(refracts(Preview({{"opacity", 0.0f}})));
+  EXPECT_TRUE(refracts(Preview({{"opacity", 0.3f}, {"opacityMode", std::string("transparent")}})));
+  EXPECT_TRUE(refracts(connected("ND_constant_float", {{"value", 0.3f}}, "out"))) << "the same all over";
+  EXPECT_FALSE(refracts(connected("UsdPrimvarReader_float", {{"varname", std::string("o")}}, "result")));
+  EXPECT_FALSE(refracts(Preview({{"opacity", 1.0f}})));
+  EXPECT_FALSE(refracts(Preview({{"opacity", 0.3f}, {"opacityThreshold", 0.1f}})));
+  EXPECT_FALSE(refracts(Preview({{"opacity", 0.3f}, {"opacityMode", std::string("presence")}})));
+  EXPECT_FALSE(refracts(Preview({{"opacity", 0.3f}, {"ior", 1.0f}}))) << "that is straight on";
 }
 
 TEST(MaterialGen, EmissionEntryOnlyWhereItEmits) {
