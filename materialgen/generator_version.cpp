@@ -5,6 +5,6 @@
 namespace materialgen {
 
 // Part of every key: raise it when the same network yields other source.
-std::string_view GeneratorVersion() { return "13"; }
+std::string_view GeneratorVersion() { return "14"; }
 
 }  // namespace materialgen

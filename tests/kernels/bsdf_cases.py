@@ -99,7 +99,7 @@ _CASES: dict[str, tuple[str, dict[str, list[float]]]] = {
     "orenNayarCompensated": ("a.rgb, a.w", _diffuse(WHITE)),
     "burley": ("a.rgb, a.w", _diffuse(WHITE)),
     "translucent": ("a.rgb", {"white": WHITE, "coloured": RUST}),
-    "subsurface": ("a.rgb, vec3(1.0), 0.0", {"white": WHITE, "coloured": RUST}),
+    "subsurface": ("a.rgb, b.rgb, 0.0", {"white": [*WHITE, 0, 1, 1, 1], "coloured": [*RUST, 0, 1, 0, 2]}),
     "dielectricReflection": ("a.rgb, a.w, b.xy, b.z != 0.0, c.xy", _dielectric()),
     "dielectricTransmission": ("a.rgb, a.w, b.xy, c.xy", _dielectric()),
     "dielectric": ("a.rgb, a.rgb, a.w, b.xy, b.z != 0.0, c.xy", _dielectric()),

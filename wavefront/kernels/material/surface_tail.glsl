@@ -139,6 +139,8 @@ void main() {
       return;
     }
   }
+  vec3 error = surfacePointError(sp.instance, gCorner0, gCorner1, gCorner2, sp.positionWorld);
+  if (kHasSubsurface) gSubsurfaceShortest = 32.0 * max(error.x, max(error.y, error.z));
   Closure c;
   closureMake(sp, c);
   if (kHasOpacity && passThrough(ids, c, throughput)) {
@@ -178,6 +180,7 @@ void main() {
     // The shading normal must not move light through the surface: both normals have to agree on the side of wi.
     vec4 value = closureEval(c, wo, w, below);
     if (!(dot(w, sp.normalGeometric) * dot(w, sp.normalWorld) > 0.0)) { value = vec4(0.0); below = vec3(0.0); }
+    if (dot(w, sp.normalGeometric) >= 0.0 == front) below = vec3(0.0);
     if (i == 0) { sampled = value; sampledBelow = below; } else lit = value - vec4(below, 0.0);
   }
 
@@ -187,7 +190,6 @@ void main() {
     uvec4 left = mediumOf(mediumTop(boundary.beyond, 0u));
     beyond = front ? (boundary.fits ? packMedium(c.interior) : medium) : left;
   }
-  vec3 error = surfacePointError(sp.instance, gCorner0, gCorner1, gCorner2, sp.positionWorld);
   bool litBeyond = (dot(light.xyz, sp.normalGeometric) >= 0.0) != front;
   lit.rgb *= mediumTransmittance(kHasTransmission && litBeyond ? beyond : medium, abs(light.w));
   castShadowRay(path, sp.positionWorld, offsetRayOrigin(sp.positionWorld, error, sp.normalGeometric, light.xyz), hit, throughput,
@@ -200,7 +202,7 @@ void main() {
     walks = samplePass(ids.z ^ 0xbb67ae85u, ids.y, bounce, 0u) < share;
     if (walks) {
       SubsurfaceLobe lobe = closureWalk(c, samplePass(ids.z ^ 0xa54ff53au, ids.y, bounce, 0u), sampledBelow);
-      Medium inside = subsurfaceMedium(lobe.color, lobe.radius, lobe.anisotropy, 32.0 * max(error.x, max(error.y, error.z)));
+      Medium inside = subsurfaceMedium(lobe.color, lobe.radius, lobe.anisotropy, gSubsurfaceShortest);
       beyond = packMedium(inside);
       sampled.rgb = sampledBelow / (max(lobe.color, vec3(1e-6)) * max(share, 1e-6));  // the colour comes from the walk
       if (!mediumScatters(beyond)) sampled = vec4(0.0);
