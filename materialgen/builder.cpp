@@ -269,13 +269,27 @@ Port Builder::NetworkInput(Entry* entry, const PortDefinition& definition) {
   if (connection != entry->connections.end()) {
     const Entry& upstream = entries_[entryOf_.at(connection->second->upstreamNode)];
     const auto value = upstream.values.find(connection->second->upstreamOutput);
-    if (value != upstream.values.end()) return Fit(value->second, definition, entry->node);
+    if (value != upstream.values.end()) {
+      SayUnusedComponents("what is connected to input '", value->second.type, definition, *entry->node);
+      return Fit(value->second, definition, entry->node);
+    }
   }
   const auto authored = entry->node->parameters.find(definition.name);
   if (authored != entry->node->parameters.end() && !std::holds_alternative<std::monostate>(authored->second)) {
     return AuthoredInput(*entry->node, definition, authored->second);
   }
   return DefaultInput(entry->node, definition);
+}
+
+// A number for a colour fills it, as everybody expects; a colour for a number loses something.
+void Builder::SayUnusedComponents(const std::string& what, Type have, const PortDefinition& definition,
+                                  const materialgen::Node& node) {
+  const Type want = definition.type;
+  if (!IsVector(have) || !IsVector(want) || Components(have) <= Components(want)) return;
+  const std::string given = std::to_string(Components(have)), used = std::to_string(Components(want));
+  Say(Severity::Warning, "material-type-mismatch", node.path,
+      what + definition.name + "' has " + given + " components; of them " + used +
+          (used == "1" ? " is used" : " are used"));
 }
 
 Port Builder::AuthoredInput(const materialgen::Node& node, const PortDefinition& definition, const Value& value) {
@@ -294,12 +308,7 @@ Port Builder::AuthoredInput(const materialgen::Node& node, const PortDefinition&
     const bool isTopology = want == Type::Int || want == Type::Bool || !IsVector(want);
     if (have == want)
       return {want, isTopology ? e_.Literal(want, numbers) : e_.Parameter(want, numbers, node.path, definition.name)};
-    if (IsVector(have) && IsVector(want) && Components(have) > Components(want)) {
-      const std::string given = std::to_string(Components(have)), used = std::to_string(Components(want));
-      Say(Severity::Warning, "material-type-mismatch", node.path,
-          "the value of input '" + definition.name + "' has " + given + " components; of them " + used +
-              (used == "1" ? " is used" : " are used"));
-    }
+    SayUnusedComponents("the value of input '", have, definition, node);
     if (isTopology || !IsVector(have)) return Fit({have, e_.Literal(have, numbers)}, definition, &node);
     if (Components(have) == 1) {
       const Id scalar = e_.Parameter(Type::Float, numbers, node.path, definition.name);

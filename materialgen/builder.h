@@ -86,6 +86,8 @@ class Builder {
   void SayMixedInsides(const LinearClosure& closure);
   void BuildEntry(Entry* entry);
   Port NetworkInput(Entry* entry, const PortDefinition& definition);
+  void SayUnusedComponents(const std::string& what, Type have, const PortDefinition& definition,
+                           const materialgen::Node& node);
   Port AuthoredInput(const materialgen::Node& node, const PortDefinition& definition, const Value& value);
   Port DefaultInput(const materialgen::Node* node, const PortDefinition& definition);
   Port Literal(Type type, const std::string& text);

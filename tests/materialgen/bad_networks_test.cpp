@@ -10,6 +10,27 @@
 namespace materialgen {
 namespace {
 
+// USD and MaterialX let no colour flow into a number: said where it happens. A channel of it, or a number for a colour, fit.
+TEST(MaterialGen, ConnectionsThatLoseComponentsAreSaid) {
+  const auto messages = [](const char* node, const char* output, const char* input) {
+    MaterialNetwork network = Preview();
+    network.nodes.push_back({"/Looks/m/up", node, {}});
+    network.connections.push_back({"/Looks/m/up", output, "/Looks/m/surface", input});
+    return RunNetwork(network).messages;
+  };
+  const std::vector<Message> lost = messages("ND_constant_color3", "out", "roughness");
+  ASSERT_EQ(lost.size(), 1u);
+  EXPECT_EQ(lost[0].code, "material-type-mismatch");
+  EXPECT_EQ(lost[0].location, "/Looks/m/surface");
+  EXPECT_EQ(lost[0].text, "what is connected to input 'roughness' has 3 components; of them 1 is used");
+  EXPECT_EQ(messages("ND_constant_color4", "out", "diffuseColor").size(), 1u);
+  EXPECT_EQ(messages("ND_constant_vector3", "out", "opacity").size(), 1u);
+  EXPECT_TRUE(messages("ND_constant_float", "out", "diffuseColor").empty());
+  EXPECT_TRUE(messages("ND_constant_vector3", "out", "diffuseColor").empty());
+  EXPECT_TRUE(messages("UsdUVTexture", "r", "roughness").empty());
+  EXPECT_TRUE(messages("UsdUVTexture", "rgb", "diffuseColor").empty());
+}
+
 TEST(MaterialGen, UnknownNodesAreNamedAndShow) {
   MaterialNetwork network = Preview();
   network.nodes.push_back({"/Looks/m/strange", "ND_no_such_node", {}});

@@ -72,7 +72,7 @@ TEST(MaterialGen, LayersAndFramesOfImagesAreSaid) {
       {"ND_image_color3", "a.exr", "layer", std::string("specular"), "'layer'"},
       {"ND_image_color3", "a.exr", "layer", std::string(), ""},
       {"ND_image_float", "a.exr", "framerange", std::string("1-4"), "sequences"},
-      {"ND_image_color4", "a.{0frame}.exr", "frameoffset", int32_t{2}, "sequences"},
+      {"ND_image_color3", "a.{0frame}.exr", "frameoffset", int32_t{2}, "sequences"},
       {"ND_image_vector3", "a.exr", "frameoffset", int32_t{2}, ""},
       {"ND_image_color3", "a.exr", "frameendaction", std::string("mirror"), ""},
       {"ND_tiledimage_color3", "a.exr", "framerange", std::string("1-4"), "sequences"},
