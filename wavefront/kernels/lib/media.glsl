@@ -27,12 +27,20 @@ Medium clearMedium() { return Medium(vec3(0.0), vec3(0.0), 0.0); }
 // ---- Chunk Medium: x y z: absorption | scattering << 16 of r, g, b; w: anisotropy (12 bits) | scatters << 12 -----------
 
 // Six bits of exponent and ten of mantissa: 2e-10 to 8e9, to 0.05 %. No number counts as 0, infinity as the most there is.
+vec3 finiteCoefficients(vec3 v) { return mix(vec3(0.0), min(v, vec3(4e9)), greaterThan(v, vec3(0.0))); }
 uvec3 packCoefficients(vec3 v) {
-  v = mix(vec3(0.0), min(v, vec3(4e9)), greaterThan(v, vec3(0.0)));
+  v = finiteCoefficients(v);
   return uvec3(max(ivec3((floatBitsToUint(v) + 0x1000u) >> 13) - (95 << 10), ivec3(0)));
 }
 vec3 unpackCoefficients(uvec3 bits) {
   return mix(uintBitsToFloat((bits + (95u << 10)) << 13), vec3(0.0), equal(bits, uvec3(0u)));
+}
+// As a path can walk it: mean free paths below `shortest` would get lost in rounding, so denser media that scatter get that
+// density. The share that each event absorbs stays, so that this is what the medium tends to.
+Medium walkableMedium(Medium m, float shortest) {
+  vec3 absorption = finiteCoefficients(m.absorption), scattering = finiteCoefficients(m.scattering);
+  vec3 scale = mix(vec3(1.0), 1.0 / max(shortest * (absorption + scattering), vec3(1.0)), greaterThan(scattering, vec3(0.0)));
+  return Medium(absorption * scale, scattering * scale, m.anisotropy);
 }
 const uint kMediumScatters = 0x1000u;
 

@@ -140,7 +140,8 @@ void main() {
     }
   }
   vec3 error = surfacePointError(sp.instance, gCorner0, gCorner1, gCorner2, sp.positionWorld);
-  if (kHasSubsurface) gSubsurfaceShortest = 32.0 * max(error.x, max(error.y, error.z));
+  float shortest = 32.0 * max(error.x, max(error.y, error.z));  // of paths to walk in a medium
+  if (kHasSubsurface) gSubsurfaceShortest = shortest;
   Closure c;
   closureMake(sp, c);
   if (kHasOpacity && passThrough(ids, c, throughput)) {
@@ -188,7 +189,7 @@ void main() {
   uvec4 beyond = medium;
   if (kHasTransmission) {
     uvec4 left = mediumOf(mediumTop(boundary.beyond, 0u));
-    beyond = front ? (boundary.fits ? packMedium(c.interior) : medium) : left;
+    beyond = front ? (boundary.fits ? packMedium(walkableMedium(c.interior, shortest)) : medium) : left;
   }
   bool litBeyond = (dot(light.xyz, sp.normalGeometric) >= 0.0) != front;
   lit.rgb *= mediumTransmittance(kHasTransmission && litBeyond ? beyond : medium, abs(light.w));
@@ -202,7 +203,7 @@ void main() {
     walks = samplePass(ids.z ^ 0xbb67ae85u, ids.y, bounce, 0u) < share;
     if (walks) {
       SubsurfaceLobe lobe = closureWalk(c, samplePass(ids.z ^ 0xa54ff53au, ids.y, bounce, 0u), sampledBelow);
-      Medium inside = subsurfaceMedium(lobe.color, lobe.radius, lobe.anisotropy, gSubsurfaceShortest);
+      Medium inside = subsurfaceMedium(lobe.color, lobe.radius, lobe.anisotropy, shortest);
       beyond = packMedium(inside);
       sampled.rgb = sampledBelow / (max(lobe.color, vec3(1e-6)) * max(share, 1e-6));  // the colour comes from the walk
       if (!mediumScatters(beyond)) sampled = vec4(0.0);
