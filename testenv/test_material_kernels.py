@@ -69,14 +69,17 @@ def test_lavapipe_compiles_every_kernel_once(tmp_path):
         pytest.skip("not lavapipe")
     stage, caches, stats = tmp_path / "few.usda", tmp_path / "caches", tmp_path / "stats.json"
     made = []
-    for materials, width in (([15, 7, 35], 40), ([15, 7, 35, 75, 115], 150)):  # of three topologies, then of no other
-        stage.write_text(stage_text(materials, 3), encoding="utf-8")
+    lens = 'token projection = "perspective"\n        float fStop = 0.1\n        float focusDistance = 20'
+    # Of three topologies; of no other, in another size; with another camera: drivers may compile for values, too.
+    for materials, width, camera in (([15, 7, 35], 40, ""), ([15, 7, 35, 75, 115], 150, ""), ([15, 7, 35], 40, lens)):
+        text = stage_text(materials, 3)
+        stage.write_text(text.replace('token projection = "orthographic"', camera) if camera else text, encoding="utf-8")
         options = ("-w", str(width), "--samples", "1", "--stats", str(stats))
         run("record", stage, str(tmp_path / "image.exr"), *options, caches=caches)
         made.append(sum(1 for f in (caches / "mesa").rglob("*") if f.is_file() and f.name != "index"))
     dispatched = [k["name"] for k in json.loads(stats.read_text())["kernels"] if k["firstDispatchMilliseconds"] > 0]
     assert sum(name.startswith("material:") for name in dispatched) >= 3
-    assert made == [len(dispatched)] * 2
+    assert made == [len(dispatched)] * 3
 
 
 def test_explain_one_material(tmp_path):

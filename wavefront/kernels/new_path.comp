@@ -23,7 +23,7 @@ void main() {
   uint seed = pixelSeed(x, y, frame.seed);
 
   vec2 jitter = sample2D(seed, sampleIndex, kPairPixel);
-  vec2 lens = frame.lensRadius > 0.0 ? sample2D(seed, sampleIndex, kPairLens) : vec2(0.0);
+  vec2 lens = isSet(frame.lensRadius > 0.0) ? sample2D(seed, sampleIndex, kPairLens) : vec2(0.0);
   float time = mix(frame.shutterOpen, frame.shutterClose, sample1D(seed, sampleIndex, kPairTime));
   vec3 origin, direction;
   float tMin, tMax;

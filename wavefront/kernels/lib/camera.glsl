@@ -5,6 +5,11 @@
 #define WAVEFRONT_LIB_CAMERA_GLSL
 #include "lib/bindings.glsl"
 
+// The condition itself. Said of constants of the frame that a branch goes by: lavapipe compiles a kernel anew for each value
+// of such a uniform where that saves enough of its code (lvp_inline_uniforms), in the middle of a render and with each edit of
+// the camera. It cannot see that no invocation has this number.
+bool isSet(bool condition) { return condition == (gl_GlobalInvocationID.x != 0xffffffffu); }
+
 // Concentric map of the unit square to the unit disk (Shirley and Chiu 1997).
 vec2 sampleDisk(vec2 u) {
   vec2 o = 2.0 * u - 1.0;
@@ -35,13 +40,13 @@ void cameraRay(vec2 pixel, vec2 uLens, out vec3 origin, out vec3 direction, out 
   vec2 s = vec2(mix(frame.window.x, frame.window.y, pixel.x / float(frame.width)),
                 mix(frame.window.w, frame.window.z, pixel.y / float(frame.height)));
   vec3 o, d;
-  if (frame.orthographic != 0u) {
+  if (isSet(frame.orthographic != 0u)) {
     o = vec3(s, 0.0);
     d = vec3(0.0, 0.0, -1.0);
   } else {
     o = vec3(0.0);
     d = vec3(s, -1.0);
-    if (frame.lensRadius > 0.0) {
+    if (isSet(frame.lensRadius > 0.0)) {
       o = vec3(frame.lensRadius * sampleDisk(uLens), 0.0);
       d = d * frame.focusDistance - o;
     }
@@ -54,12 +59,12 @@ void cameraRay(vec2 pixel, vec2 uLens, out vec3 origin, out vec3 direction, out 
   direction = w / scale;
   tMin = frame.nearClip * perUnitDepth;
   tMax = frame.farClip * perUnitDepth;
-  if (frame.clipPlaneCount > 0u) clipRay(frame.clipPlane0, o, d, tMin, tMax);
-  if (frame.clipPlaneCount > 1u) clipRay(frame.clipPlane1, o, d, tMin, tMax);
-  if (frame.clipPlaneCount > 2u) clipRay(frame.clipPlane2, o, d, tMin, tMax);
-  if (frame.clipPlaneCount > 3u) clipRay(frame.clipPlane3, o, d, tMin, tMax);
-  if (frame.clipPlaneCount > 4u) clipRay(frame.clipPlane4, o, d, tMin, tMax);
-  if (frame.clipPlaneCount > 5u) clipRay(frame.clipPlane5, o, d, tMin, tMax);
+  if (isSet(frame.clipPlaneCount > 0u)) clipRay(frame.clipPlane0, o, d, tMin, tMax);
+  if (isSet(frame.clipPlaneCount > 1u)) clipRay(frame.clipPlane1, o, d, tMin, tMax);
+  if (isSet(frame.clipPlaneCount > 2u)) clipRay(frame.clipPlane2, o, d, tMin, tMax);
+  if (isSet(frame.clipPlaneCount > 3u)) clipRay(frame.clipPlane3, o, d, tMin, tMax);
+  if (isSet(frame.clipPlaneCount > 4u)) clipRay(frame.clipPlane4, o, d, tMin, tMax);
+  if (isSet(frame.clipPlaneCount > 5u)) clipRay(frame.clipPlane5, o, d, tMin, tMax);
   tMin *= scale;
   tMax *= scale;
 }
