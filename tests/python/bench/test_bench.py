@@ -12,12 +12,12 @@ from typing import Any
 import numpy as np
 import pytest
 from hdwavefront.bench import runner, sweeps, tables
-from hdwavefront.bench.measure import GROUPS, Reading, Spread, group_of
+from hdwavefront.bench.measure import GROUPS, Contestant, Reading, Spread, group_of
 from hdwavefront.bench.paper import PAPER
 from hdwavefront.bench.peers import compare, embree_peer, flat
 from hdwavefront.bench.runner import Clock, Outcome, run_side_by_side, run_task
 from hdwavefront.bench.scene_bench import brief, remarks, summary
-from hdwavefront.bench.scenes import SCENES, sweep_scene
+from hdwavefront.bench.scenes import SCENES, stage_scene, sweep_scene
 from hdwavefront.bench.worker import Task
 from hdwavefront.cli.main import main
 
@@ -236,6 +236,26 @@ say("compared", identical=True)
     assert found["broken"].error == "no such scene"
     for name in "ab":
         assert found[name].identical is True and not found[name].error and not found[name].timed_out
+
+
+def test_turns_go_on_after_a_whole_picture(tmp_path: Path) -> None:
+    stage = tmp_path / "sphere.usda"
+    stage.write_text("""#usda 1.0
+def Sphere "sphere" {
+}
+def DistantLight "sun" {
+}
+def Camera "camera" {
+    double3 xformOp:translate = (0, 0, 20)
+    uniform token[] xformOpOrder = ["xformOp:translate"]
+}
+""")
+    contestant = Contestant(stage_scene(str(stage)), "wavefront", width=32)
+    contestant.turn(0.01)
+    contestant.time_whole(2)
+    assert contestant.whole["wholeSamples"] == 2
+    assert contestant.turn(0.01).segments > 0
+    contestant.close()
 
 
 def test_wrong_usage_is_said(capfd: pytest.CaptureFixture[str]) -> None:

@@ -130,6 +130,7 @@ class Contestant:
         begin, cpu = time.perf_counter(), time.process_time()
         self.render.start(samples=samples, seed=1)
         self.render.wait()
+        self._started = False  # the render that turns go on with is gone
         self.whole = {
             "wholeSamples": samples,
             "wholeSeconds": time.perf_counter() - begin,
