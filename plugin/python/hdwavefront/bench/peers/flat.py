@@ -4,8 +4,8 @@
 
 What is translated: meshes with their normals, point instancers and transforms; of a material the numbers of its
 standard_surface or UsdPreviewSurface, where a pattern drives a number the mean of what it mixes; networks of single
-lobes by their colour, roughness and kind. Patterns, flakes, sheen of cloth and layers of MaterialX's own have no equal there.
-Dome, distant, rect and sphere lights keep their radiance, and so do meshes that shine.
+lobes by their colour, roughness and kind. Patterns, flakes, sheen of cloth and layers of MaterialX's own have no
+equal there. Dome, distant, rect and sphere lights keep their radiance, and so do meshes that shine.
 """
 
 from __future__ import annotations
