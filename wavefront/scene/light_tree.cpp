@@ -19,7 +19,8 @@ constexpr int kBins = 12;
 constexpr std::size_t kDeepest = 32;        // bits of a trail
 constexpr std::size_t kOrientedBelow = 4096; // nodes of more lights are split by place alone: cones cost trigonometry
 // How many nodes are worth a search for their best split. Of the lights of a finely cut mesh, those of a node beyond are
-// neighbours of one size and one direction: halving them is as good, and a million lights are sorted in half a second.
+// neighbours of one size and one direction: halving them is as good, and the tree of a million lights takes 1.1 s
+// instead of 2.6.
 constexpr std::size_t kSearched = 8192;
 
 using Vector = std::array<double, 3>;
