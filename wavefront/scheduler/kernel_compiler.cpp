@@ -41,7 +41,7 @@ struct KernelCompiler::WarmDevice {
     auto warm = std::make_unique<WarmDevice>();
     vulkan::DeviceOptions options;
     options.selector = std::to_string(like.info().index);
-    options.validation = like.validation();
+    options.neverValidate = true;  // the rendering device, which is validated, is given the same programs
     auto device = vulkan::Device::Create(options);
     if (!device) return device.error();
     warm->device = std::move(device).value();

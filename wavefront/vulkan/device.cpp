@@ -18,6 +18,7 @@ std::string Environment(const char* name) {
 }
 
 Validation WantedValidation(const DeviceOptions& options) {
+  if (options.neverValidate) return Validation::Off;
   const std::string environment = Environment("HDWAVEFRONT_VALIDATION");
   if (options.synchronizationValidation || environment == "sync") return Validation::Synchronization;
   return options.validation || (!environment.empty() && environment != "0") ? Validation::On : Validation::Off;
@@ -64,6 +65,7 @@ Status CreateLogicalDevice(Context& context) {
     info.enabledExtensionCount = 1;
     info.ppEnabledExtensionNames = &extension;
   }
+  std::scoped_lock loader(LoaderMutex());
   const VkResult result = vkCreateDevice(context.physical, &info, nullptr, &context.device);
   if (result != VK_SUCCESS) {
     context.device = VK_NULL_HANDLE;
@@ -92,7 +94,10 @@ Context::~Context() {
   vk.vkDeviceWaitIdle(device);
   transfer_.reset();
   if (pipelineCache != VK_NULL_HANDLE) vk.vkDestroyPipelineCache(device, pipelineCache, nullptr);
-  vk.vkDestroyDevice(device, nullptr);
+  {
+    std::scoped_lock loader(LoaderMutex());
+    vk.vkDestroyDevice(device, nullptr);
+  }
   CountHandle(HandleKind::Device, -1);
 }
 

@@ -82,6 +82,10 @@ struct DeviceOptions {
   bool synchronizationValidation = false;
   // In place of `pipelineCache`, when the device is chosen.
   std::function<std::vector<std::byte>(const DeviceInfo&)> pipelineCacheOf;
+  // Whatever stands above and in the environment. For devices that come and go while others work: the validation layer
+  // looks devices up in a table that it does not lock (KhronosGroup/Vulkan-ValidationLayers issue 4391), so that one made
+  // in a thread of its own crashes a call of any other.
+  bool neverValidate = false;
 };
 
 // Messages of the validation layer since the process started: warnings and errors, all devices.

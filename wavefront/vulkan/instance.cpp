@@ -119,6 +119,7 @@ Result<std::shared_ptr<Instance>> CreateInstance(Validation validation) {
 
   auto instance = std::make_shared<Instance>();
   instance->validation = validation;
+  std::scoped_lock loader(LoaderMutex());
   if (const VkResult result = vkCreateInstance(&info, nullptr, &instance->handle); result != VK_SUCCESS) {
     instance->handle = VK_NULL_HANDLE;
     if (result == VK_ERROR_INCOMPATIBLE_DRIVER) {
@@ -153,10 +154,18 @@ Result<std::shared_ptr<Instance>> CreateInstance(Validation validation) {
 
 }  // namespace
 
+std::mutex& LoaderMutex() {
+  static std::mutex mutex;
+  return mutex;
+}
+
 Instance::~Instance() {
   if (messenger != VK_NULL_HANDLE) destroyMessenger(handle, messenger, nullptr);
   if (handle == VK_NULL_HANDLE) return;
-  vkDestroyInstance(handle, nullptr);
+  {
+    std::scoped_lock loader(LoaderMutex());
+    vkDestroyInstance(handle, nullptr);
+  }
   CountHandle(HandleKind::Instance, -1);
 }
 

@@ -7,6 +7,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <mutex>
 
 #include "wavefront/base/result.h"
 
@@ -32,5 +33,9 @@ struct Instance {
   // The living instance with this setting, or a new one. Thread-safe.
   static Result<std::shared_ptr<Instance>> Acquire(Validation validation);
 };
+
+// Held while devices and instances come and go and while their functions are looked up: the loader walks its list of
+// devices with a lock and changes it without one (KhronosGroup/Vulkan-Loader issue 2018).
+std::mutex& LoaderMutex();
 
 }  // namespace wavefront::vulkan

@@ -42,5 +42,25 @@ TEST(KernelCompiler, CacheJobsAreTakenBackOrDone) {
   EXPECT_FALSE(left.get_future().get());
 }
 
+// The layer looks devices up in a table that it does not lock: a device of a thread's own that is validated too makes any
+// call of another thread crash, now and then. Two instances are alive: the one with the layer, and one without.
+TEST(KernelCompiler, DevicesOfItsThreadsAreNotValidated) {
+  vulkan::DeviceOptions options;
+  options.validation = true;
+  auto device = vulkan::Must(vulkan::Device::Create(options));
+  auto layout = vulkan::Must(vulkan::PipelineLayout::Create(*device, {{0, vulkan::DescriptorKind::StorageBuffer}}));
+  const auto spirv = vulkan::Glsl("layout(local_size_x = 1) in; layout(binding = 0) buffer B { uint b[]; }; void main() { b[0] = 9u; }");
+  const int64_t before = vulkan::LiveHandles()["Instance"];
+  std::promise<int64_t> during;
+  KernelCompiler compiler(*device, *layout, 1);
+  if (compiler.driverCompile() != vulkan::DriverCompile::AtDispatchCached) GTEST_SKIP() << "this driver compiles elsewhere";
+  compiler.Enqueue({{0, "first", [&] { return KernelCode{spirv, "", 0, false}; }},
+                    {1, "second", [&] {  // the thread's device is alive since the first
+                       during.set_value(vulkan::LiveHandles()["Instance"]);
+                       return KernelCode{{}, "on purpose", 0, false};
+                     }}});
+  EXPECT_EQ(during.get_future().get(), before + 1);
+}
+
 }  // namespace
 }  // namespace wavefront

@@ -80,6 +80,9 @@ TEST(Device, TheEnvironmentTurnsValidationOn) {
   {
     ScopedEnvironment environment("HDWAVEFRONT_VALIDATION", "1");
     EXPECT_TRUE(Must(Device::Create())->validation());
+    DeviceOptions options;
+    options.validation = options.neverValidate = true;
+    EXPECT_FALSE(Must(Device::Create(options))->validation());
   }
   ScopedEnvironment environment("HDWAVEFRONT_VALIDATION", "0");
   EXPECT_FALSE(Must(Device::Create())->validation());
