@@ -64,6 +64,28 @@ def test_each_pair_is_a_net_at_every_power_of_two(sets, count):
             assert (np.sort(cell, axis=-1) == np.arange(count)).all(), f"{2**split} x {2 ** (k - split)} strata"
 
 
+def test_second_dimension_is_sobols(kernel_runner):
+    """Every bit of it, by the recurrence of its direction numbers: v[0] = 2^31, v[k + 1] = v[k] ^ (v[k] >> 1)."""
+    rng = np.random.default_rng(11)
+    index = np.concatenate([1 << np.arange(32, dtype=np.uint64), rng.integers(0, 2**32, 2000, dtype=np.uint64)])
+    expected, v, rest = np.zeros_like(index), 1 << 31, index.copy()
+    for _ in range(32):
+        expected ^= np.where(rest & np.uint64(1), np.uint64(v), np.uint64(0))
+        rest >>= np.uint64(1)
+        v ^= v >> 1
+    halves = np.stack([index & np.uint64(0xFFFF), index >> np.uint64(16)], 1)
+    inputs = np.zeros((len(index), 4), np.float32)
+    inputs[:, :2] = halves  # as numbers: patterns of NaNs would not arrive
+    main = """void main() {
+      uint i = gl_GlobalInvocationID.x;
+      if (i >= inputs.length()) return;
+      uint y = sobol2OfReversed(bitfieldReverse(uint(inputs[i].x) | uint(inputs[i].y) << 16));
+      outputs[i] = vec4(float(y & 0xffffu), float(y >> 16), 0.0, 0.0);
+    }"""
+    out = call(kernel_runner, INCLUDES, main, inputs, 1)[:, :2].astype(np.uint64)
+    assert (out[:, 0] | out[:, 1] << np.uint64(16) == expected).all()
+
+
 def test_one_dimensional_samples_are_stratified(sets):
     for count in (2, 8, 32, 1024):
         strata = np.sort(np.floor(sets[:, :, :count, 2] * count), axis=-1)

@@ -22,7 +22,7 @@ vec3 addMiss(vec3 radiance, inout float alpha, vec3 throughput, vec3 direction, 
   bool camera = bsdfPdf == 0.0;
   [[dont_unroll]] for (uint i = 0u; i < frame.infiniteLightCount; ++i) {
     Light l = lightLoad(i);
-    bool dome = l.type == kLightDome;
+    bool dome = kHasDomeLights && (!kHasDistantLights || l.type == kLightDome);
     if (camera && (!dome || (frame.flags & kFrameDomeVisible) == 0u || (l.flags & kLightFlagCameraVisible) == 0u)) continue;
     float pdf = dome ? domePdf(l, direction) : distantPdf(l, direction);
     if (!dome && pdf == 0.0) continue;

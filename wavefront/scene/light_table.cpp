@@ -341,6 +341,10 @@ LightTable BuildLightTable(std::vector<LightData> lights, std::vector<EmissiveTr
     const Rows shape = ToRows(sized, origin);
     const float cutoff = std::clamp(light.coneAngle, 0.0f, 6.2831853f);
     const float start = cutoff * (1.0f - std::clamp(light.coneSoftness, 0.0f, 1.0f));
+    table.traits |= LightTraitOf(light.type);
+    // Angles end at pi, or a little beyond by the rounding of acos.
+    if (!IsInfinite(light.type) && (start < 3.15f || light.focus > 0)) table.traits |= kLightTraitShaped;
+    if (texture != kInvalidId) table.traits |= kLightTraitTextured;
     table.records.push_back(Bits(static_cast<uint32_t>(light.type), flags, texture, index));
     table.records.insert(table.records.end(), shape.begin(), shape.end());
     table.records.insert(table.records.end(), worldToLight->begin(), worldToLight->end());

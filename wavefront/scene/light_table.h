@@ -29,12 +29,17 @@ struct LightShape {
   bool visibleToCamera = true;
 };
 
+// What kernels need code for where a light is so: a bit for its type, and these.
+constexpr uint32_t LightTraitOf(LightType type) { return 1u << static_cast<uint32_t>(type); }
+constexpr uint32_t kLightTraitShaped = 1u << 30, kLightTraitTextured = 1u << 31;
+
 struct LightTable {
   std::vector<Float4> records;        // kLightTexels per light
   std::vector<uint32_t> items;        // 4 words per item, then the light tree
   std::vector<float> distribution;    // CDF over items (with a tree: over lights at infinity and the tree), then dome maps
   std::vector<LightShape> shapes;
   uint32_t lightCount = 0, infiniteCount = 0, itemCount = 0;
+  uint32_t traits = 0;                // of all lights
   uint32_t tree = 0;                  // first texel of the light tree among the items; 0: there is none
 };
 

@@ -409,6 +409,7 @@ Status SceneStore::UploadRebuild(const Rebuild& b, uint32_t threads) {
   facts_.lightItemCount = lights.itemCount;
   facts_.lightTree = lights.tree;
   facts_.infiniteLightCount = lights.infiniteCount;
+  facts_.lightTraits = lights.traits;
   facts_.lightCount = lights.lightCount;
   facts_.instances = b.instanceCount;
   facts_.hasMedia = hasMedia_;

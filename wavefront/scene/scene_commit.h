@@ -17,6 +17,7 @@ namespace wavefront {
 
 struct SceneFacts {
   uint32_t tlasRoot = 0, hasGeometry = 0, lightItemCount = 0, lightTree = 0, infiniteLightCount = 0, lightCount = 0;
+  uint32_t lightTraits = 0;  // of any light, see light_table.h
   float sceneRadius = 1;
   Double3 origin;
   uint64_t instances = 0;

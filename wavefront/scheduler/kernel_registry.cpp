@@ -66,6 +66,12 @@ SceneFeatures SceneFeatures::Of(const SceneFacts& facts) {
   const bool InfiniteLights = facts.infiniteLightCount != 0;
   const bool ScatteringMedia = facts.hasMedia;
   const bool Bodies = facts.hasBodies;
+  const auto has = [&facts](LightType type) { return (facts.lightTraits & LightTraitOf(type)) != 0; };
+  const bool RectLights = has(LightType::Rect), DiskLights = has(LightType::Disk);
+  const bool SphereLights = has(LightType::Sphere), CylinderLights = has(LightType::Cylinder);
+  const bool DistantLights = has(LightType::Distant), DomeLights = has(LightType::Dome);
+  const bool ShapedLights = (facts.lightTraits & kLightTraitShaped) != 0;
+  const bool TexturedLights = (facts.lightTraits & kLightTraitTextured) != 0;
   SceneFeatures features;
 #define WAVEFRONT_FEATURE(Name, index, doc) features.bits |= Name ? 1u << index : 0u;
 #include "wavefront/shared/features.def"

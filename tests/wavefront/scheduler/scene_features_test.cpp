@@ -33,6 +33,21 @@ TEST(SceneFeatures, AreThoseOfTheScene) {
   EXPECT_EQ(SceneFeatures::Of(facts).bits, kBodies);
 }
 
+TEST(SceneFeatures, NameTheTypesAndTraitsOfLights) {
+  const auto of = [](uint32_t traits) {
+    SceneFacts facts;
+    facts.lightTraits = traits;
+    return SceneFeatures::Of(facts).bits;
+  };
+  EXPECT_EQ(of(LightTraitOf(LightType::Rect)), 1u << 6);
+  EXPECT_EQ(of(LightTraitOf(LightType::Disk)), 1u << 7);
+  EXPECT_EQ(of(LightTraitOf(LightType::Sphere)), 1u << 8);
+  EXPECT_EQ(of(LightTraitOf(LightType::Cylinder)), 1u << 9);
+  EXPECT_EQ(of(LightTraitOf(LightType::Distant)), 1u << 10);
+  EXPECT_EQ(of(LightTraitOf(LightType::Dome)), 1u << 11);
+  EXPECT_EQ(of(kLightTraitShaped | kLightTraitTextured), 3u << 12);
+}
+
 class SceneFeaturesTest : public vulkan::VulkanTest {};
 
 TEST_F(SceneFeaturesTest, KernelsAreMadeAgainForWhatIsNewAndNeverForWhatIsGone) {

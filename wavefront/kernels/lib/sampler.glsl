@@ -23,29 +23,26 @@ uint laineKarras(uint x, uint seed) {
 }
 uint owenScramble(uint x, uint seed) { return bitfieldReverse(laineKarras(bitfieldReverse(x), seed)); }
 
-// Second dimension of Sobol's sequence; the first is the bit reversal of the index.
-uint sobol2(uint index) {
-  uint r = 0u;
-  [[dont_unroll]] for (uint v = 0x80000000u; index != 0u; index >>= 1) {
-    if ((index & 1u) != 0u) r ^= v;
-    v ^= v >> 1;
-  }
-  return r;
+// Second dimension of Sobol's sequence, of an index whose bits are reversed (the first dimension is that reversal). Its
+// matrix is Pascal's triangle modulo 2, in which the triangle of half the size stands three times (Sierpinski's): a step for
+// each of the five halvings. A loop over the bits of the index, all of which count once it is scrambled, takes 32.
+uint sobol2OfReversed(uint x) {
+  x ^= x << 16; x ^= (x & 0x00ff00ffu) << 8; x ^= (x & 0x0f0f0f0fu) << 4; x ^= (x & 0x33333333u) << 2; x ^= (x & 0x55555555u) << 1;
+  return x;
 }
 float unitFloat(uint x) { return float(x >> 8) * 5.9604644775390625e-8; }
 
 // A 2-D point of the sequence of (pixelSeed, pair) at `index`.
 vec2 sample2D(uint pixelSeed, uint index, uint pair) {
   uint seed = hashCombine(pixelSeed, pair);
-  uint shuffled = owenScramble(index, seed);
-  uint x = bitfieldReverse(shuffled);
-  uint y = sobol2(shuffled);
+  uint x = laineKarras(bitfieldReverse(index), seed);  // the shuffled index, reversed
+  uint y = sobol2OfReversed(x);
   return vec2(unitFloat(owenScramble(x, hashUint(seed ^ 0xa511e9b3u))), unitFloat(owenScramble(y, hashUint(seed ^ 0x63d83595u))));
 }
 float sample1D(uint pixelSeed, uint index, uint pair) {
   uint seed = hashCombine(pixelSeed, pair);
-  uint shuffled = owenScramble(index, seed);
-  return unitFloat(owenScramble(bitfieldReverse(shuffled), hashUint(seed ^ 0xa511e9b3u)));
+  uint x = laineKarras(bitfieldReverse(index), seed);
+  return unitFloat(owenScramble(x, hashUint(seed ^ 0xa511e9b3u)));
 }
 
 // Pairs: camera first, then a block per bounce.

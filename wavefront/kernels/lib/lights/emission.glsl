@@ -37,9 +37,9 @@ vec3 lightRadiance(Light l, vec3 emission, vec3 unitPoint, float footprint) {
   vec3 radiance = l.radiance;
   vec2 uv = vec2(0.5 - unitPoint.x, 0.5 + unitPoint.y);  // UsdLux: upright and unmirrored when looked at from the front
   uint wrapU = 1u;
-  if (kHasInfiniteLights && l.type == kLightDome) { uv = domeUv(normalize(toLightSpace(l, -emission))); wrapU = 0u; }
-  if (l.textureId != 0xffffffffu) radiance *= textureRead(l.textureId, uv, footprint, wrapU, 1u, vec4(0.0)).rgb;
-  if (kHasLightShapes && l.type != kLightDome && l.type != kLightDistant) radiance *= lightShaping(l, emission);
+  if (kHasDomeLights && l.type == kLightDome) { uv = domeUv(normalize(toLightSpace(l, -emission))); wrapU = 0u; }
+  if (kHasTexturedLights && l.textureId != 0xffffffffu) radiance *= textureRead(l.textureId, uv, footprint, wrapU, 1u, vec4(0.0)).rgb;
+  if (kHasShapedLights && l.type != kLightDome && l.type != kLightDistant) radiance *= lightShaping(l, emission);
   return radiance;
 }
 #endif

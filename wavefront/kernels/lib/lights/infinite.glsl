@@ -10,7 +10,7 @@
 #include "lib/lights/shapes.glsl"
 
 float domePdf(Light l, vec3 wi) {
-  if (l.distribution == kNoStream) return 0.07957747154594767;  // 1 / 4 pi
+  if (!kHasTexturedLights || l.distribution == kNoStream) return 0.07957747154594767;  // 1 / 4 pi
   vec2 uv = domeUv(normalize(toLightSpace(l, wi)));
   uint width = uint(distributionAt(l.distribution)), height = uint(distributionAt(l.distribution + 1u));
   uint x = min(uint(uv.x * float(width)), width - 1u);
@@ -27,7 +27,7 @@ LightSample sampleDome(Light l, vec2 u) {
   s.distance = 1e30;
   s.unitPoint = vec3(0.0);
   vec3 d;
-  if (l.distribution == kNoStream) {
+  if (!kHasTexturedLights || l.distribution == kNoStream) {
     float z = 1.0 - 2.0 * u.x;
     float r = sqrt(max(0.0, 1.0 - z * z));
     d = vec3(r * cos(6.28318530718 * u.y), z, r * sin(6.28318530718 * u.y));

@@ -43,8 +43,8 @@ LightSample sampleLightItem(uint item, float probability, vec3 p, vec2 u, float 
   } else {
     Light l = lightLoad(it.x);
     s.pdf = 0.0;
-    if (kHasInfiniteLights && l.type == kLightDome) s = sampleDome(l, u);
-    else if (kHasInfiniteLights && l.type == kLightDistant) s = sampleDistant(l, u);
+    if (kHasDomeLights && l.type == kLightDome) s = sampleDome(l, u);
+    else if (kHasDistantLights && l.type == kLightDistant) s = sampleDistant(l, u);
     else if (kHasLightShapes) s = sampleShape(l, p, u);
     radiance = lightRadiance(l, -s.direction, s.unitPoint, footprint);
   }

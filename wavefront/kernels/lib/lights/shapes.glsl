@@ -4,6 +4,7 @@
 // pdf for a direction that a ray found by itself (MIS). Both must agree: a test compares them by quadrature.
 #ifndef WAVEFRONT_LIGHTS_SHAPES_GLSL
 #define WAVEFRONT_LIGHTS_SHAPES_GLSL
+#include "lib/features.glsl"
 #include "lib/lights/record.glsl"
 #include "lib/lights/emission.glsl"
 #include "lib/lights/rect.glsl"
@@ -29,7 +30,7 @@ float oneMinusCosFromSin2(float sin2) { return sin2 / (1.0 + sqrt(max(0.0, 1.0 -
 
 // Spheres of uniform scale seen from outside: sin^2 of the half angle; 0 where that does not hold.
 float sphereSin2(Light l, vec3 p) {
-  if (l.type != kLightSphere || (l.flags & kLightFlagUniform) == 0u) return 0.0;
+  if (!kHasSphereLights || l.type != kLightSphere || (l.flags & kLightFlagUniform) == 0u) return 0.0;
   vec3 d = lightPoint(l, vec3(0.0)) - p;
   vec3 c = lightColumn(l, 0);
   float s2 = dot(c, c) / dot(d, d);
@@ -50,27 +51,28 @@ float cylinderArc(float distance) {
 }
 // Area of the part of the unit shape that is sampled from p: what faces it. 0: p is inside.
 float sampledUnitArea(Light l, vec3 p) {
-  if (l.type == kLightRect) return 1.0;
-  if (l.type == kLightDisk) return kPi;
+  if (kHasRectLights && l.type == kLightRect) return 1.0;
+  if (kHasDiskLights && l.type == kLightDisk) return kPi;
+  if (!kHasSphereLights && !kHasCylinderLights) return 0.0;
   vec3 q = unitSpacePoint(l, p);
-  bool sphere = l.type == kLightSphere;
+  bool sphere = kHasSphereLights && (!kHasCylinderLights || l.type == kLightSphere);
   float d = length(sphere ? q : vec3(0.0, q.yz));
   return d > 1.0 ? (sphere ? 6.28318530718 * ((d - 1.0) / d) : 2.0 * cylinderArc(d)) : 0.0;
 }
 vec3 unitNormal(uint type, vec3 unitPoint) {
-  if (type == kLightSphere) return unitPoint;
-  if (type == kLightCylinder) return vec3(0.0, unitPoint.yz);
+  if (kHasSphereLights && type == kLightSphere) return unitPoint;
+  if (kHasCylinderLights && type == kLightCylinder) return vec3(0.0, unitPoint.yz);
   return vec3(0.0, 0.0, -1.0);
 }
 
 // The point of the unit shape nearest to a (slightly rounded) hit point in its space.
 vec3 lightShapePoint(uint kind, vec3 p) {
-  if (kind == kKindSphere) return normalize(p);
-  if (kind == kKindCylinder) return vec3(p.x, normalize(p.yz));
+  if (kHasSphereLights && kind == kKindSphere) return normalize(p);
+  if (kHasCylinderLights && kind == kKindCylinder) return vec3(p.x, normalize(p.yz));
   return vec3(p.xy, 0.0);
 }
 
-bool isSphericalRect(Light l) { return l.type == kLightRect && (l.flags & kLightFlagRectangular) != 0u; }
+bool isSphericalRect(Light l) { return kHasRectLights && l.type == kLightRect && (l.flags & kLightFlagRectangular) != 0u; }
 
 // Area pdf turned to solid angle for a point on the unit shape; 0 where its back is seen.
 float shapePdf(Light l, vec3 p, vec3 unitPoint, vec3 wi, float distance) {
@@ -116,9 +118,9 @@ LightSample sampleShape(Light l, vec3 p, vec2 u) {
     }
   }
   vec3 q = vec3(u.x - 0.5, u.y - 0.5, 0.0);
-  if (l.type == kLightDisk) {
+  if (kHasDiskLights && l.type == kLightDisk) {
     q = vec3(sampleDisk(u), 0.0);
-  } else if (l.type == kLightSphere) {
+  } else if (kHasSphereLights && l.type == kLightSphere) {
     // The cap that faces p.
     vec3 axis = unitSpacePoint(l, p);
     float far = length(axis);
@@ -128,7 +130,7 @@ LightSample sampleShape(Light l, vec3 p, vec2 u) {
     x = normalize(x - axis * dot(x, axis));
     vec3 local = sampleCone(u, (far - 1.0) / far);
     q = x * local.x + cross(axis, x) * local.y + axis * local.z;
-  } else if (l.type == kLightCylinder) {
+  } else if (kHasCylinderLights && l.type == kLightCylinder) {
     vec3 pUnit = unitSpacePoint(l, p);
     float far = length(pUnit.yz);
     if (!(far > 1.0)) return s;
