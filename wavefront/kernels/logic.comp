@@ -96,7 +96,12 @@ void main() {
     } else {
       // The escape kernel ends the path before new_path takes its place; or sends the ray on behind a light, which only
       // the camera sees as a body: the path then stands in no bucket. Nor do the paths of the other queues.
-      if (queue != kNoQueue) pushQueue(queue, path);
+      if (queue == kQueueEscape) pushQueue(kQueueEscape, path);
+      if (kHasScatteringMedia) {
+        if (queue == kQueueMediumScatter) pushQueue(kQueueMediumScatter, path);
+        if (queue == kQueueSubsurfaceWalk) pushQueue(kQueueSubsurfaceWalk, path);
+        if (queue == kQueueSubsurfaceExit) pushQueue(kQueueSubsurfaceExit, path);
+      }
       if (escaped && !behindLight) key = kBucketNewPath;
     }
   } else if (phase == kPhaseHeld || phase == kPhaseOpacity) {

@@ -10,7 +10,9 @@ layout(local_size_x = 64) in;
 
 void main() {
   uint b = gl_GlobalInvocationID.x;
-  if (b < frame.bucketCount) counters[kBucketBase + b * kBucketStride + kBucketCount] = 0u;
+  if (b < frame.bucketCount) {
+    for (uint part = 0u; part < kPoolParts; ++part) counters[partCount(part, b)] = 0u;
+  }
   if (b == 0u) closeQueue(kQueueExtensionRay);
   if (b == 1u) closeQueue(kQueueShadowRay);
 }

@@ -3,7 +3,7 @@
 // Copyright the hdWavefront authors
 // Turns bucket counts into offsets and indirect arguments, closes the queues that logic fills, and hands out new work.
 // One workgroup.
-// Reads: bucket counts. Writes: offsets, arguments, cursors, statistics, the work position. Runs after: logic.
+// Reads: bucket counts of the parts of the pool. Writes: counts, offsets, arguments, statistics, the work position. Runs after: logic.
 #extension GL_GOOGLE_include_directive : require
 #include "lib/bindings.glsl"
 #include "shared/counters_layout.h"
@@ -28,7 +28,9 @@ void main() {
   uint first = thread * perThread;
   uint last = min(first + perThread, frame.bucketCount);
   uint sum = 0u;
-  for (uint b = first; b < last; ++b) sum += counters[kBucketBase + b * kBucketStride + kBucketCount];
+  for (uint b = first; b < last; ++b) {
+    for (uint part = 0u; part < kPoolParts; ++part) sum += counters[partCount(part, b)];
+  }
   partial[thread] = sum;
   barrier();
   for (uint step = 1u; step < kThreads; step <<= 1) {
@@ -40,9 +42,14 @@ void main() {
   uint offset = partial[thread] - sum;
   for (uint b = first; b < last; ++b) {
     uint at = kBucketBase + b * kBucketStride;
-    uint count = counters[at + kBucketCount];
+    uint count = 0u;
+    for (uint part = 0u; part < kPoolParts; ++part) {
+      uint inPart = counters[partCount(part, b)];
+      counters[partCount(part, b)] = offset + count;  // where scatter begins
+      count += inPart;
+    }
+    counters[at + kBucketCount] = count;
     counters[at + kBucketOffset] = offset;
-    counters[at + kBucketCursor] = 0u;
     uint run = count;
     if (b == kBucketNewPath) {
       // Work is ordered sample-major: the next `run` (sample, pixel) pairs go to the idle paths.

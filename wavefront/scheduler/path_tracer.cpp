@@ -102,12 +102,13 @@ Status PathTracer::Configure(const RenderSettings& settings, const CameraData& c
 
   const uint64_t pool = poolSize_;
   bucketCount_ = kFirstMaterialBucket + static_cast<uint32_t>(scene.materials.buckets().size());
-  const uint64_t counterBytes = 4ull * (kBucketBase + static_cast<uint64_t>(kBucketStride) * bucketCount_);
+  const uint64_t statusBytes = 4ull * (kBucketBase + static_cast<uint64_t>(kBucketStride) * bucketCount_);
+  const uint64_t counterBytes = 4ull * (PartCounts(bucketCount_) + static_cast<uint64_t>(kPoolParts) * PartStride(bucketCount_));
   struct Row { std::unique_ptr<vulkan::Buffer>* buffer; uint64_t bytes; MemoryKind kind; MemoryLocation location; const char* name; };
   for (const Row& row : {Row{&pathState_, pool * 16 * kPathChunks, MemoryKind::PathState, MemoryLocation::DeviceLocal, "path state"},
                          {&queues_, pool * 4 * (kItemsQueues + kQueueKinds), MemoryKind::Queues, MemoryLocation::DeviceLocal, "queue items"},
                          {&counters_, counterBytes, MemoryKind::Queues, MemoryLocation::DeviceLocal, "counters"},
-                         {&readback_, counterBytes * kSlots, MemoryKind::Queues, MemoryLocation::HostVisible, "status"},
+                         {&readback_, statusBytes * kSlots, MemoryKind::Queues, MemoryLocation::HostVisible, "status"},
                          {&filmSums_, pixels * film_.sumChannels * 8, MemoryKind::Film, MemoryLocation::DeviceLocal, "film sums"},
                          {&filmFirst_, pixels * film_.firstChannels * 4, MemoryKind::Film, MemoryLocation::DeviceLocal, "film first samples"},
                          {&resolved_, pixels * 16, MemoryKind::Film, MemoryLocation::DeviceLocal, "resolved AOV"},

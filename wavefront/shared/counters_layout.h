@@ -34,21 +34,25 @@ WF_CONST(kQueuePeak, 7u)
 WF_CONST(kPathsDoneLo, 80u)
 WF_CONST(kPathsDoneHi, 81u)
 WF_CONST(kMegaNextWork, 82u)     // megakernel: work taken since mega_turn, counted past the end
-// Buckets: 11 words each: count, offset in the sorted indices, args x y z, cursor of the scatter, items lo, items hi, peak,
-// whether its paths are held because its kernel is still being compiled, and what one path of it costs (float, ns)
+// Buckets: 10 words each: count, offset in the sorted indices, args x y z, items lo, items hi, peak, whether its paths are
+// held because its kernel is still being compiled, and what one path of it costs (float, ns)
 WF_CONST(kBucketBase, 96u)
-WF_CONST(kBucketStride, 11u)
+WF_CONST(kBucketStride, 10u)
 WF_CONST(kBucketCount, 0u)
 WF_CONST(kBucketOffset, 1u)
 WF_CONST(kBucketArgs, 2u)
-WF_CONST(kBucketCursor, 5u)
-WF_CONST(kBucketItemsLo, 6u)
-WF_CONST(kBucketItemsHi, 7u)
-WF_CONST(kBucketPeak, 8u)
-WF_CONST(kBucketHold, 9u)
-WF_CONST(kBucketCost, 10u)
+WF_CONST(kBucketItemsLo, 5u)
+WF_CONST(kBucketItemsHi, 6u)
+WF_CONST(kBucketPeak, 7u)
+WF_CONST(kBucketHold, 8u)
+WF_CONST(kBucketCost, 9u)
 WF_CONST(kBucketNewPath, 0u)     // bucket 0: idle paths; then one bucket per material entry point
 WF_CONST(kFirstMaterialBucket, 1u)
+// Behind the buckets: their counts while logic fills them, and the places that scatter hands out, for each quarter of the
+// pool by itself and a cache line apart. A core of a software device works on neighbouring paths: its additions meet
+// no other core's.
+WF_CONST(kPoolParts, 4u)
+WF_CONST(kPartLine, 16u)
 // Queue items: arrays of poolSize uints
 WF_CONST(kItemsKeys, 0u)         // bucket of each path (kNoBucket: none)
 WF_CONST(kItemsSorted, 1u)       // path indices by bucket
@@ -61,6 +65,9 @@ WF_CONST(kErrorTransparency, 8u)     // more transparent layers than maxTranspar
 WF_CONST(kErrorMediaStack, 16u)      // more than four nested media
 WF_CONST(kErrorMediumSteps, 32u)     // a path scattered more often inside of a body than is allowed and was ended
 #ifdef __cplusplus
+// Where the counts of the parts begin, and how far they are from each other.
+constexpr uint32_t PartCounts(uint32_t bucketCount) { return (kBucketBase + kBucketStride * bucketCount + kPartLine - 1) / kPartLine * kPartLine; }
+constexpr uint32_t PartStride(uint32_t bucketCount) { return (bucketCount + kPartLine - 1) / kPartLine * kPartLine; }
 }  // namespace wavefront::layout
 #endif
 #undef WF_CONST

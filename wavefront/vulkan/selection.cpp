@@ -165,7 +165,7 @@ Selection Describe(VkPhysicalDevice physical, uint32_t index) {
                              std::to_string(check.value) + ")");
     }
   }
-  constexpr VkSubgroupFeatureFlags kSubgroup = VK_SUBGROUP_FEATURE_BASIC_BIT;
+  constexpr VkSubgroupFeatureFlags kSubgroup = VK_SUBGROUP_FEATURE_BASIC_BIT | VK_SUBGROUP_FEATURE_BALLOT_BIT;
   if ((v11.subgroupSupportedOperations & kSubgroup) != kSubgroup ||
       !(v11.subgroupSupportedStages & VK_SHADER_STAGE_COMPUTE_BIT)) {
     info.missing.push_back("subgroup operations in compute");

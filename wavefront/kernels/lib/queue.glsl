@@ -3,6 +3,7 @@
 // Pushing path indices to the queues. A path stands in a queue at most once per iteration, so capacity = pool size.
 #ifndef WAVEFRONT_LIB_QUEUE_GLSL
 #define WAVEFRONT_LIB_QUEUE_GLSL
+#extension GL_KHR_shader_subgroup_ballot : require
 #include "lib/bindings.glsl"
 #include "shared/counters_layout.h"
 
@@ -35,6 +36,12 @@ uint workLeft() {
   if (first >= end) return 0u;
   return end - first > 0x3fffffffu / pixels ? 0x3fffffffu : (end - first) * pixels - counters[kWorkPixel];
 }
+// The part of the pool that a path stands in, and the counter of a bucket's paths in it.
+uint poolPart(uint path) { return path / ((frame.poolSize + kPoolParts - 1u) / kPoolParts); }
+uint partCount(uint part, uint bucket) {
+  uint stride = (frame.bucketCount + kPartLine - 1u) / kPartLine * kPartLine;
+  return (kBucketBase + kBucketStride * frame.bucketCount + kPartLine - 1u) / kPartLine * kPartLine + part * stride + bucket;
+}
 void reportError(uint flag) { atomicOr(counters[kErrorFlags], flag); }
 
 const uint kNoQueue = 0xffffffffu;
@@ -42,14 +49,19 @@ const uint kNoQueue = 0xffffffffu;
 #ifdef WAVEFRONT_MEGAKERNEL
 #include "megakernel/queue.glsl"
 #else
+// `queue` is the same for all that call it together: the whole subgroup makes one addition, because each is an exchange
+// between the cores that push to that queue.
 void pushQueue(uint queue, uint path) {
-  uint slot = atomicAdd(counters[kQueueBase + queue * kQueueStride + kQueueFill], 1u);
+  uvec4 pushing = subgroupBallot(true);
+  uint first = 0u;
+  if (subgroupElect()) first = atomicAdd(counters[kQueueBase + queue * kQueueStride + kQueueFill], subgroupBallotBitCount(pushing));
+  uint slot = subgroupBroadcastFirst(first) + subgroupBallotExclusiveBitCount(pushing);
   queueItems[(kItemsQueues + queue) * frame.poolSize + slot] = path;
 }
 // The path's bucket in this iteration, kNoBucket: none. Once a path and iteration.
 void sendToBucket(uint path, uint key) {
   queueItems[kItemsKeys * frame.poolSize + path] = key;
-  if (key != kNoBucket) atomicAdd(counters[kBucketBase + key * kBucketStride + kBucketCount], 1u);
+  if (key != kNoBucket) atomicAdd(counters[partCount(poolPart(path), key)], 1u);
 }
 // The path of this invocation in a kernel over a queue; false past its end.
 bool queuePath(uint queue, out uint path) {
