@@ -88,7 +88,9 @@ struct RenderSettings {
   bool cameraVisibleDome = true;           // dome lights seen by camera rays
   bool shadows = true;
   LightSampling lightSampling = LightSampling::Auto;
-  bool interactive = false;                // short submits, so that an edit is answered at once; restarts nothing
+  // An edit is answered at once: short submits, and trees of edited meshes that are quick to make. Restarts nothing, unless
+  // it ends and such a tree is built for good.
+  bool interactive = false;
   std::vector<Aov> aovs;                   // Color is always there
   std::vector<std::string> primvarAovs;    // primvars by slot: what Aov::Primvar0 ... show where `aovs` holds them
 };
@@ -114,6 +116,9 @@ struct KernelStats {
   uint32_t stateBytesRead = 0, stateBytesWritten = 0;  // of path state, by an item, at most (scheduler/state_traffic.h)
   std::vector<std::string> driverStatistics;  // "name: value", with HDWAVEFRONT_DRIVER_STATISTICS=1 where the driver has them
 };
+// What commits did to bounding volume hierarchies, since the renderer was made (scene/bvh/mesh_trees.h has the rule): those of
+// meshes, and those over all instances.
+struct TreeStats { uint64_t built = 0, builtFast = 0, refitted = 0, instancesBuilt = 0, instancesRefitted = 0; };
 struct QueueStats { std::string name; uint64_t items = 0, peak = 0; };
 struct RenderStats {
   std::vector<KernelStats> kernels;
@@ -122,6 +127,7 @@ struct RenderStats {
   double renderSeconds = 0, commitSeconds = 0, bvhSeconds = 0;
   std::map<std::string, uint64_t> memoryBytes, memoryPeakBytes;  // by kind
   uint64_t triangles = 0, instances = 0, lights = 0, lightItems = 0, materials = 0, textures = 0;
+  TreeStats trees;
   uint64_t uploadedBytes = 0;              // to the device, since it was made
   uint64_t validationMessages = 0;
   uint32_t errorFlags = 0;                 // shared/error_flags.h; 0: none

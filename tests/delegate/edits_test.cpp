@@ -45,17 +45,15 @@ uint32_t Seed() {
   return text ? static_cast<uint32_t>(std::strtoul(text, nullptr, 10)) : 20260725u;
 }
 
-TEST(Edits, TwoHundredRandomEditsEqualFreshScenes) {
-  constexpr int kEdits = 200;
-  EditScript script(Seed());
-  auto edited = MakeRealDelegate();
+// Edits of a delegate; every picture of it against that of a fresh one, which is never interactive.
+void EditAndCompare(int edits, bool interactive, std::set<std::vector<int64_t>>& pictures, EditScript& script, delegate::RenderDelegate* edited) {
   DelegateSink sink(*edited);
   script.Populate(sink);
   CommitScene(*edited);
   ASSERT_EQ(Difference(FinishRender(*edited), RenderFresh(script.scene())), "") << "before any edit";
+  ASSERT_TRUE(edited->SetRenderSetting("enableInteractive", interactive).ok());
   std::string since;
-  std::set<std::vector<int64_t>> pictures;
-  for (int i = 1; i <= kEdits; ++i) {
+  for (int i = 1; i <= edits; ++i) {
     since += "\n  " + script.Step(sink);
     const bool together = i % 5 == 0;  // two edits in one commit
     if (together) since += "\n  " + script.Step(sink);
@@ -63,18 +61,36 @@ TEST(Edits, TwoHundredRandomEditsEqualFreshScenes) {
     RenderAs(*edited, script.control());
     // Here the next edit arrives before the picture is there; its state is compared together with that edit's.
     const bool leftBehind = script.control() == RenderControl::EditWhilePaused || script.control() == RenderControl::EditWhileRunning;
-    if (leftBehind && i != kEdits) continue;
+    if (leftBehind && i != edits) continue;
     if (edited->progress().paused) edited->Resume();
     const wavefront::RawFilm film = FinishRender(*edited);
     ASSERT_EQ(Difference(film, RenderFresh(script.scene())), "") << "after edit " << i << "; since the last comparison:" << since;
     since.clear();
     pictures.insert(film.sums);
   }
+}
+
+TEST(Edits, TwoHundredRandomEditsEqualFreshScenes) {
+  EditScript script(Seed());
+  auto edited = MakeRealDelegate();
+  std::set<std::vector<int64_t>> pictures;
+  EditAndCompare(200, false, pictures, script, edited.get());
   EXPECT_GE(pictures.size(), 15u) << "the edits hardly show";
   for (const char* name : {"points", "topology", "transform", "visibility", "binding", "material value", "material graph", "light", "camera",
                            "instances", "removal", "re-creation", "type", "AOVs", "size", "setting"})
     EXPECT_GT(script.counts().count(name), 0u) << name;
   EXPECT_EQ(edited->stats().validationMessages, 0u);
+  EXPECT_EQ(edited->stats().trees.refitted + edited->stats().trees.builtFast, 0u);
+}
+
+// Trees that are refitted or built fast show the same picture as those that are built for good.
+TEST(Edits, InteractiveEditsEqualFreshScenes) {
+  EditScript script(Seed() + 1);
+  auto edited = MakeRealDelegate();
+  std::set<std::vector<int64_t>> pictures;
+  EditAndCompare(40, true, pictures, script, edited.get());
+  EXPECT_GT(edited->stats().trees.refitted, 0u);
+  EXPECT_GT(edited->stats().trees.builtFast, 0u);
 }
 
 // Hosts sync in parallel and in any order.

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "wavefront/base/parallel.h"
+#include "wavefront/scene/bvh/refit.h"
 #include "wavefront/scene/interface_table.h"
 #include "wavefront/shared/scene_layout.h"
 
@@ -15,6 +16,8 @@ namespace {
 
 using vulkan::MemoryKind;
 constexpr uint32_t kRecordWords = 4 * layout::kInstanceTexels;
+// A tree over fewer is built within two milliseconds, and all rays pass it.
+constexpr uint32_t kLeastRefitInstances = 4096;
 
 Matrix4d FirstTransform(const std::vector<TimeSample<Matrix4d>>& samples) { return samples.empty() ? Matrix4d{} : samples.front().value; }
 
@@ -148,19 +151,20 @@ void SceneStore::SetLightSampling(LightSampling sampling) {
   lightSampling_ = sampling;
 }
 
-Status SceneStore::Commit(uint32_t threads, const DiagnosticSink& sink, const GeometryStore::Displace& displace, const std::function<void()>& used,
+Status SceneStore::Commit(uint32_t threads, bool interactive, const DiagnosticSink& sink, const GeometryStore::Displace& displace, const std::function<void()>& used,
                           bool* changed) {
   bool texturesChanged = false, meshesChanged = false, valuesChanged = false, bindingsChanged = false;
   if (Status s = textures.Commit(sink, &texturesChanged); !s) return s;
-  if (Status s = geometry.Commit(threads, sink, displace, &meshesChanged); !s) return s;
+  if (Status s = geometry.Commit(threads, interactive, sink, displace, &meshesChanged); !s) return s;
   if (Status s = materials.Commit(&valuesChanged, &bindingsChanged); !s) return s;
   std::lock_guard lock(mutex_);
-  const bool rebuild = instancesDirty_ || lightsDirty_ || meshesChanged || bindingsChanged || texturesChanged;
+  const bool rebuild = instancesDirty_ || lightsDirty_ || meshesChanged || bindingsChanged || texturesChanged ||
+                       (!interactive && treeRefitted_);
   *changed = rebuild || valuesChanged;
   if (!rebuild) return {};
   // Dirty until it succeeds: a commit that failed half-way is tried again as a whole.
   instancesDirty_ = true;
-  Status s = RebuildInstances(threads, sink, used);
+  Status s = RebuildInstances(threads, interactive, sink, used);
   if (s) instancesDirty_ = lightsDirty_ = false;
   return s;
 }
@@ -216,11 +220,15 @@ struct SceneStore::Rebuild {
   LightTable lights;
   std::vector<uint32_t> records;                                         // kRecordWords per instance, light shapes last
   std::vector<Bounds3> bounds;
+  bvh::InstanceBvh tree;                                                 // first the one on the device, if it may be refitted
 };
 
-Status SceneStore::RebuildInstances(uint32_t threads, const DiagnosticSink& sink, const std::function<void()>& used) {
-  ReleaseRanges();
+Status SceneStore::RebuildInstances(uint32_t threads, bool interactive, const DiagnosticSink& sink, const std::function<void()>& used) {
   Rebuild b;
+  if (interactive && treeHeld_ >= kLeastRefitInstances && treeBuilt_.visits > 0) {
+    if (Status s = ReadInstanceTree(b); !s) return s;
+  }
+  ReleaseRanges();
   PlanGroups(b);
   PlaceInstancePrimvars(b);
   MakeBindings(b);
@@ -232,7 +240,8 @@ Status SceneStore::RebuildInstances(uint32_t threads, const DiagnosticSink& sink
   b.lights = BuildLightTable(std::move(lights), b.emissive, textures, facts_.origin, facts_.sceneRadius, lightSampling_, sink);
   WriteMeshInstances(b, threads, sink);
   WriteLightShapes(b);
-  return UploadRebuild(b, threads);
+  MakeInstanceTree(b, threads, interactive);
+  return UploadRebuild(b);
 }
 
 void SceneStore::ReleaseRanges() {
@@ -384,12 +393,32 @@ void SceneStore::WriteLightShapes(Rebuild& b) {
   }
 }
 
-Status SceneStore::UploadRebuild(const Rebuild& b, uint32_t threads) {
+Status SceneStore::ReadInstanceTree(Rebuild& b) {
+  b.tree.nodes.resize(tlasRange_.count);
+  b.tree.held = treeHeld_;
+  treeHeld_ = 0;  // until the new one is there
+  return geometry.nodes.Read(tlasRange_.first, std::as_writable_bytes(std::span(b.tree.nodes)));
+}
+
+// The rule of meshes' trees (bvh/mesh_trees.h), but for splits, which there are none of here.
+void SceneStore::MakeInstanceTree(Rebuild& b, uint32_t threads, bool interactive) {
+  treeRefitted_ = !b.tree.nodes.empty() && bvh::RefitInstanceBvh(b.bounds, b.tree, threads) &&
+                  bvh::Growth(treeBuilt_, bvh::CostOf(b.tree, b.bounds, threads)) <= bvh::kMostGrowth;
+  if (treeRefitted_) {
+    ++instanceTreesRefitted_;
+    return;
+  }
+  ++instanceTreesBuilt_;
+  b.tree = bvh::BuildInstanceBvh(b.bounds, {threads});
+  const bool mayBeRefitted = interactive && b.tree.held >= kLeastRefitInstances;
+  treeBuilt_ = mayBeRefitted ? bvh::CostOf(b.tree, b.bounds, threads) : bvh::TreeCost{};
+}
+
+Status SceneStore::UploadRebuild(const Rebuild& b) {
   if (Status s = UploadLobeTable(); !s) return s;
-  const bvh::InstanceBvh tlas = bvh::BuildInstanceBvh(b.bounds, {threads});
   const LightTable& lights = b.lights;
   instanceRange_ = instances_.Allocate(b.bounds.size());
-  tlasRange_ = geometry.nodes.Allocate(tlas.nodes.size());
+  tlasRange_ = geometry.nodes.Allocate(b.tree.nodes.size());
   lightRange_ = lightRecords_.Allocate(lights.lightCount);
   itemRange_ = lightItems_.Allocate(lights.items.size() / 4);
   distributionRange_ = lightDistribution_.Allocate(lights.distribution.size());
@@ -398,12 +427,13 @@ Status SceneStore::UploadRebuild(const Rebuild& b, uint32_t threads) {
     if (Status s = stream->Fit(); !s) return s;
   }
   if (geometry.nodes.elements() > layout::kBvhMaxNodes) return Error{"the scene does not fit: more than 2^26 nodes of its trees"};
-  for (Status s : {geometry.nodes.Write<bvh::BvhNode4>(tlasRange_, tlas.nodes), geometry.indices.Write<uint32_t>(bindingIndexRange_, b.bindingIndices),
+  for (Status s : {geometry.nodes.Write<bvh::BvhNode4>(tlasRange_, b.tree.nodes), geometry.indices.Write<uint32_t>(bindingIndexRange_, b.bindingIndices),
                    geometry.primvars.Write<float>(instancePrimvarRange_, b.instanceValues), instances_.Write<uint32_t>(instanceRange_, b.records),
                    bindings_.Write<uint32_t>(bindingRange_, bindingTexels_), lightRecords_.Write<Float4>(lightRange_, lights.records),
                    lightItems_.Write<uint32_t>(itemRange_, lights.items), lightDistribution_.Write<float>(distributionRange_, lights.distribution)}) {
     if (!s) return s;
   }
+  treeHeld_ = b.tree.held;
   facts_.tlasRoot = tlasRange_.first;
   facts_.hasGeometry = b.bounds.empty() ? 0 : 1;
   facts_.lightItemCount = lights.itemCount;

@@ -45,18 +45,24 @@ class SceneStore {
 
   // Makes staged edits real; `changed`: the image may differ. No submitted work may run. `displace`: as GeometryStore's;
   // it finds the textures on the device. `used`: called when buckets and usedBuckets() are those of the new scene, long before
-  // the rest of it is: their kernels can be compiled meanwhile.
-  Status Commit(uint32_t threads, const DiagnosticSink& sink, const GeometryStore::Displace& displace, const std::function<void()>& used,
+  // the rest of it is: their kernels can be compiled meanwhile. `interactive`: trees may be made for an answer at once
+  // (bvh/mesh_trees.h).
+  Status Commit(uint32_t threads, bool interactive, const DiagnosticSink& sink, const GeometryStore::Displace& displace, const std::function<void()>& used,
                 bool* changed);
   Status Bind(vulkan::DescriptorSet& set);
   const SceneFacts& facts() const { return facts_; }
+  // Trees over instances, since the store was made.
+  uint64_t instanceTreesBuilt() const { return instanceTreesBuilt_; }
+  uint64_t instanceTreesRefitted() const { return instanceTreesRefitted_; }
   // By bucket number less kFirstMaterialBucket: does any instance of the committed scene use it?
   const std::vector<bool>& usedBuckets() const { return usedBuckets_; }
 
  private:
   // The rebuild of everything that depends on instances, bindings and lights, step by step.
   struct Rebuild;
-  Status RebuildInstances(uint32_t threads, const DiagnosticSink& sink, const std::function<void()>& used);
+  Status RebuildInstances(uint32_t threads, bool interactive, const DiagnosticSink& sink, const std::function<void()>& used);
+  Status ReadInstanceTree(Rebuild& b);
+  void MakeInstanceTree(Rebuild& b, uint32_t threads, bool interactive);
   void ReleaseRanges();
   void PlanGroups(Rebuild& b);
   void PlaceInstancePrimvars(Rebuild& b);
@@ -66,7 +72,7 @@ class SceneStore {
   void WriteMeshInstances(Rebuild& b, uint32_t threads, const DiagnosticSink& sink);
   void WriteLightShapes(Rebuild& b);
   Status UploadLobeTable();
-  Status UploadRebuild(const Rebuild& b, uint32_t threads);
+  Status UploadRebuild(const Rebuild& b);
   uint32_t BindingFor(const InstanceData& group, const ResidentMesh& mesh, uint32_t slot, uint64_t instancePrimvarKey,
                       const std::map<std::string, PrimvarDescriptor>& instancePrimvars, bool* opaque, bool* emissive);
 
@@ -86,6 +92,11 @@ class SceneStore {
   std::map<std::vector<uint64_t>, uint32_t> bindingCache_;  // while building
   std::vector<bool> usedBuckets_;
   bool hasMedia_ = false, hasBodies_ = false;
+  // The tree over instances on the device: refitted where an interactive render's instances moved, built for all others.
+  uint32_t treeHeld_ = 0;
+  bool treeRefitted_ = false;
+  bvh::TreeCost treeBuilt_;  // its cost when it was built, if that is known
+  uint64_t instanceTreesBuilt_ = 0, instanceTreesRefitted_ = 0;
   SceneFacts facts_;
 };
 

@@ -121,16 +121,18 @@ Status RendererImpl::Commit() {
   const unsigned threads = options_.threads != 0 ? options_.threads : DefaultThreadCount();
   bool changed = false;
   ExecutionMode staged;
+  bool interactive = false;
   {
     std::lock_guard lock(stagingMutex_);
     staged = stagedSettings_.executionMode;
+    interactive = stagedSettings_.interactive;
     scene_->textures.SetLimit(stagedSettings_.textureMemory);
   }
   const auto displace = [this](MeshData& mesh) { return displacer_->Displace(mesh, options_.diagnostics); };
   const auto compile = [&] {
     if (staged == ExecutionMode::Wavefront) tracer_->OrderKernels(*scene_, threads);
   };
-  if (Status s = scene_->Commit(threads, options_.diagnostics, displace, compile, &changed); !s) return s;
+  if (Status s = scene_->Commit(threads, interactive, options_.diagnostics, displace, compile, &changed); !s) return s;
   {
     std::lock_guard lock(stagingMutex_);
     changed = changed || cameraDirty_ || settingsDirty_ || !configured_;
@@ -369,6 +371,8 @@ void RendererImpl::Publish() {
   s.submits = tracer_->submits();
   s.commitSeconds = commitSeconds_;
   s.bvhSeconds = scene_->geometry.bvhSeconds();
+  const bvh::TreeCounts& trees = scene_->geometry.treeCounts();
+  s.trees = {trees.built, trees.builtFast, trees.refitted, scene_->instanceTreesBuilt(), scene_->instanceTreesRefitted()};
   s.triangles = scene_->geometry.triangleCount();
   s.instances = scene_->facts().instances;
   s.lights = scene_->facts().lightCount;

@@ -177,6 +177,13 @@ nb::dict StatsDict(const RenderDelegate& self) {
   d["bvhSeconds"] = stats.bvhSeconds;
   d["memoryBytes"] = stats.memoryBytes;
   d["memoryPeakBytes"] = stats.memoryPeakBytes;
+  nb::dict trees;
+  trees["built"] = stats.trees.built;
+  trees["builtFast"] = stats.trees.builtFast;
+  trees["refitted"] = stats.trees.refitted;
+  trees["instancesBuilt"] = stats.trees.instancesBuilt;
+  trees["instancesRefitted"] = stats.trees.instancesRefitted;
+  d["trees"] = trees;
   d["triangles"] = stats.triangles;
   d["instances"] = stats.instances;
   d["lights"] = stats.lights;

@@ -2,8 +2,6 @@
 // Copyright the hdWavefront authors
 // What the BVH builder promises: every item in exactly one leaf or, cut by spatial splits, held by several leaves
 // together, boxes that hold their children exactly, bounded stack, the same bytes on any number of threads, and no harm from broken or absurd input.
-#include "wavefront/scene/bvh/bvh.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -16,115 +14,12 @@
 #include <stdexcept>
 #include <vector>
 
+#include "tests/wavefront/scene/bvh_fixture.h"
 #include "wavefront/base/parallel.h"
-#include "wavefront/shared/scene_layout.h"
+#include "wavefront/scene/bvh/mesh_trees.h"
 
 namespace wavefront::bvh {
 namespace {
-
-struct Soup {
-  std::vector<Float3> positions;
-  std::vector<UInt3> triangles;
-
-  void Add(Float3 a, Float3 b, Float3 c) {
-    const auto first = static_cast<uint32_t>(positions.size());
-    positions.insert(positions.end(), {a, b, c});
-    triangles.push_back({first, first + 1, first + 2});
-  }
-};
-
-Soup RandomSoup(uint32_t count, float size, uint32_t seed, float scale = 1) {
-  std::mt19937 random(seed);
-  std::uniform_real_distribution<float> unit(-1, 1);
-  Soup soup;
-  for (uint32_t i = 0; i < count; ++i) {
-    const Float3 c{unit(random), unit(random), unit(random)};
-    const auto corner = [&] {
-      return Float3{(c.x + size * unit(random)) * scale, (c.y + size * unit(random)) * scale,
-                    (c.z + size * unit(random)) * scale};
-    };
-    const Float3 p0 = corner(), p1 = corner(), p2 = corner();
-    soup.Add(p0, p1, p2);
-  }
-  return soup;
-}
-
-struct Box {
-  double lo[3] = {1e300, 1e300, 1e300}, hi[3] = {-1e300, -1e300, -1e300};
-  void Extend(const Box& b) {
-    for (int i = 0; i < 3; ++i) lo[i] = std::min(lo[i], b.lo[i]), hi[i] = std::max(hi[i], b.hi[i]);
-  }
-  bool Holds(const Box& b) const {
-    for (int i = 0; i < 3; ++i) {
-      if (b.lo[i] < lo[i] || b.hi[i] > hi[i]) return false;
-    }
-    return true;
-  }
-};
-
-Box ChildBox(const BvhNode4& node, uint32_t child) {
-  const uint8_t* const lows[3] = {node.loX, node.loY, node.loZ};
-  const uint8_t* const highs[3] = {node.hiX, node.hiY, node.hiZ};
-  Box box;
-  for (int i = 0; i < 3; ++i) {
-    const double step = std::ldexp(1.0, node.exponents[i] - 127);
-    box.lo[i] = node.origin[i] + lows[i][child] * step;
-    box.hi[i] = node.origin[i] + highs[i][child] * step;
-  }
-  return box;
-}
-
-// Walks a tree, checks its shape, and counts how often each item stands in a leaf.
-struct Walk {
-  const std::vector<BvhNode4>& nodes;
-  uint32_t maxLeafItems;
-  std::function<Box(uint32_t)> itemBox;
-  std::vector<uint32_t> itemUses;
-  std::vector<uint32_t> nodeUses;
-  uint32_t depth = 0;
-
-  // Box of everything below the node.
-  Box Node(uint32_t index, uint32_t level) {
-    Box all;
-    if (index >= nodes.size()) {
-      ADD_FAILURE() << "node " << index << " of " << nodes.size();
-      return all;
-    }
-    ++nodeUses[index];
-    depth = std::max(depth, level);
-    const BvhNode4& node = nodes[index];
-    EXPECT_LE(node.childCount, 4);
-    for (uint32_t c = node.childCount; c < 4; ++c) EXPECT_EQ(node.children[c], layout::kBvhEmpty);
-    for (uint32_t c = 0; c < node.childCount; ++c) {
-      const uint32_t reference = node.children[c];
-      Box inside;
-      if (reference & layout::kBvhLeafBit) {
-        const uint32_t first = reference & layout::kBvhLeafFirstMask;
-        const uint32_t count = (reference >> layout::kBvhLeafCountShift & 15u) + 1;
-        EXPECT_LE(count, maxLeafItems);
-        for (uint32_t i = first; i < first + count; ++i) {
-          if (i >= itemUses.size()) {
-            ADD_FAILURE() << "item " << i << " of " << itemUses.size();
-            return all;
-          }
-          ++itemUses[i];
-          inside.Extend(itemBox(i));
-        }
-      } else {
-        inside = Node(reference, level + 1);
-      }
-      if (!ChildBox(node, c).Holds(inside)) ADD_FAILURE() << "box of child " << c << " of node " << index;
-      all.Extend(inside);
-    }
-    return all;
-  }
-};
-
-Box TriangleBox(const TriangleRecord& t) {
-  Box box;
-  for (const Float3& v : {t.v0, t.v1, t.v2}) box.Extend({{v.x, v.y, v.z}, {v.x, v.y, v.z}});
-  return box;
-}
 
 // Checks all promises about one mesh tree; `inTree` triangles are expected in leaves.
 void CheckMesh(const Soup& soup, const MeshBvh& mesh, size_t inTree) {
@@ -226,15 +121,6 @@ void BuildAndCheck(const Soup& soup, size_t inTree) {
   CheckCutMesh(soup, BuildMeshBvh(soup.positions, soup.triangles, {}), inTree);
 }
 
-// Long triangles through a crowd of small ones.
-Soup BeamsThroughClutter(uint32_t small, uint32_t beams, float scale = 1) {
-  Soup soup = RandomSoup(small, 0.01f, 21, scale);
-  const Soup ends = RandomSoup(beams, 1, 22, scale);
-  soup.positions.insert(soup.positions.end(), ends.positions.begin(), ends.positions.end());
-  for (UInt3 t : ends.triangles) soup.triangles.push_back({t.x + 3 * small, t.y + 3 * small, t.z + 3 * small});
-  return soup;
-}
-
 TEST(MeshBvh, CutsLongTrianglesWithinItsRoom) {
   for (const float scale : {1e-30f, 1.0f, 1e17f}) {
     SCOPED_TRACE(scale);
@@ -326,14 +212,6 @@ TEST(MeshBvh, KeepsMaterialSlots) {
   }
 }
 
-template <typename T>
-bool SameBytes(const std::vector<T>& a, const std::vector<T>& b) {
-  return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0);
-}
-bool SameBytes(const MeshBvh& a, const MeshBvh& b) {
-  return SameBytes(a.nodes, b.nodes) && SameBytes(a.triangles, b.triangles);
-}
-
 TEST(MeshBvh, ThreadCountDoesNotShow) {
   const Soup soup = BeamsThroughClutter(300000, 500);
   const MeshBvh one = BuildMeshBvh(soup.positions, soup.triangles, {}, {1});
@@ -342,15 +220,16 @@ TEST(MeshBvh, ThreadCountDoesNotShow) {
   }
 }
 
-TEST(MeshBvh, ManyMeshesEqualSingleBuilds) {
+TEST(MeshTrees, ManyMeshesEqualSingleBuilds) {
   std::vector<Soup> soups;
-  std::vector<MeshInput> inputs;
-  for (uint32_t i = 0; i < 40; ++i) soups.push_back(RandomSoup(i == 20 ? 80000 : i * 37, 0.1f, i));
-  for (const Soup& soup : soups) inputs.push_back({soup.positions, soup.triangles, {}});
-  const std::vector<MeshBvh> built = BuildMeshBvhs(inputs, {3});
-  ASSERT_EQ(built.size(), soups.size());
+  std::vector<TreeJob> jobs(40);
+  for (uint32_t i = 0; i < jobs.size(); ++i) soups.push_back(RandomSoup(i == 20 ? 80000 : i * 37, 0.1f, i));
+  for (size_t i = 0; i < jobs.size(); ++i) jobs[i].positions = soups[i].positions, jobs[i].triangles = soups[i].triangles;
+  TreeCounts counts;
+  MakeTrees(jobs, 3, counts);
+  EXPECT_EQ(counts.built, soups.size());
   for (size_t i = 0; i < soups.size(); ++i) {
-    EXPECT_TRUE(SameBytes(built[i], BuildMeshBvh(soups[i].positions, soups[i].triangles, {}, {1}))) << i;
+    EXPECT_TRUE(SameBytes(jobs[i].mesh, BuildMeshBvh(soups[i].positions, soups[i].triangles, {}, {1}))) << i;
   }
 }
 

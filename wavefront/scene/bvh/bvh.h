@@ -67,6 +67,7 @@ struct MeshBvh {
   // Triangles that no ray can hit stand at the end of `triangles` and in no leaf: those with a vertex that is
   // not finite, lies beyond kMaxCoordinate or does not exist (an index out of range: its position reads as 0).
   uint32_t brokenTriangles = 0;
+  uint32_t recordsInLeaves = 0;            // the first of `triangles`; those behind them are the ones that cannot be hit
 };
 
 // The tree of one mesh. `slots` holds a material slot per triangle, or is empty (all slot 0).
@@ -75,24 +76,18 @@ struct MeshBvh {
 MeshBvh BuildMeshBvh(std::span<const Float3> positions, std::span<const UInt3> triangles,
                      std::span<const uint16_t> slots, const BuildOptions& options = {});
 
-struct MeshInput {
-  std::span<const Float3> positions;
-  std::span<const UInt3> triangles;
-  std::span<const uint16_t> slots;
-};
-
-// The trees of many meshes: small ones side by side, large ones one after the other, each on all threads.
-std::vector<MeshBvh> BuildMeshBvhs(std::span<const MeshInput> meshes, const BuildOptions& options = {});
-
 struct InstanceBvh {
   std::vector<BvhNode4> nodes;  // root first, never empty. A leaf's "first item" is the index into worldBounds:
                                 // instance records keep the order of the caller (by path), no reordering.
   Bounds3 bounds;               // of all instances in the tree
+  uint32_t held = 0;            // instances in its leaves
   uint32_t skipped = 0;         // instances with empty or unusable bounds: in no leaf, never hit
 };
 
-// The tree over instances. Bounds as made by InstanceBounds; empty ones (min > max), ones with a NaN or beyond
-// kMaxCoordinate are skipped and counted.
+// Bounds that a tree over instances can hold: not empty, no NaN, nothing beyond kMaxCoordinate.
+bool IsUsable(const Bounds3& bounds);
+
+// The tree over instances. Bounds as made by InstanceBounds; those that are not usable are skipped and counted.
 InstanceBvh BuildInstanceBvh(std::span<const Bounds3> worldBounds, const BuildOptions& options = {});
 
 // Rows of a 3x4 matrix as in the instance record: p'.x = dot(rows[0], (p, 1)).

@@ -13,11 +13,6 @@
 namespace wavefront::bvh {
 namespace {
 
-bool IsUsable(const Bounds3& b) {
-  const auto axis = [](float lo, float hi) { return lo <= hi && lo >= -kMaxCoordinate && hi <= kMaxCoordinate; };
-  return axis(b.min.x, b.max.x) && axis(b.min.y, b.max.y) && axis(b.min.z, b.max.z);
-}
-
 bool IsFinite(const Rows3x4& rows) {
   return std::all_of(rows.begin(), rows.end(), [](const Float4& r) {
     return std::isfinite(r.x) && std::isfinite(r.y) && std::isfinite(r.z) && std::isfinite(r.w);
@@ -38,6 +33,11 @@ float RoundedUp(double value) {
 
 }  // namespace
 
+bool IsUsable(const Bounds3& b) {
+  const auto axis = [](float lo, float hi) { return lo <= hi && lo >= -kMaxCoordinate && hi <= kMaxCoordinate; };
+  return axis(b.min.x, b.max.x) && axis(b.min.y, b.max.y) && axis(b.min.z, b.max.z);
+}
+
 InstanceBvh BuildInstanceBvh(std::span<const Bounds3> worldBounds, const BuildOptions& options) {
   WAVEFRONT_CHECK(worldBounds.size() <= kMaxInstances, "%zu instances", worldBounds.size());
   InstanceBvh result;
@@ -54,6 +54,7 @@ InstanceBvh BuildInstanceBvh(std::span<const Bounds3> worldBounds, const BuildOp
     all.min = {std::min(all.min.x, b.min.x), std::min(all.min.y, b.min.y), std::min(all.min.z, b.min.z)};
     all.max = {std::max(all.max.x, b.max.x), std::max(all.max.y, b.max.y), std::max(all.max.z, b.max.z)};
   }
+  result.held = static_cast<uint32_t>(items.size());
   WideBuildSettings settings;
   settings.maxLeafItems = 1;
   settings.maxDepth = kInstanceMaxDepth;

@@ -1,52 +1,24 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright the hdWavefront authors
 #include <algorithm>
-#include <cmath>
 
 #include "wavefront/base/check.h"
 #include "wavefront/base/parallel.h"
 #include "wavefront/scene/bvh/bvh.h"
+#include "wavefront/scene/bvh/mesh_triangles.h"
 #include "wavefront/scene/bvh/spatial_split.h"
 #include "wavefront/scene/bvh/wide_builder.h"
 
 namespace wavefront::bvh {
 namespace {
 
-// From this size on a mesh is worth all threads at once.
-constexpr size_t kLargeMeshTriangles = 1u << 16;
 constexpr size_t kRecordChunk = 1u << 15;
-
-enum class TriangleState : uint8_t { Hittable, NoArea, Broken };
-
-bool IsUsable(const Float3& p) {
-  // False for a NaN, too.
-  return std::fabs(p.x) <= kMaxCoordinate && std::fabs(p.y) <= kMaxCoordinate && std::fabs(p.z) <= kMaxCoordinate;
-}
-
-bool Equal(const Float3& a, const Float3& b) { return a.x == b.x && a.y == b.y && a.z == b.z; }
 
 Float3 MinOf(const Float3& a, const Float3& b) {
   return {std::min(a.x, b.x), std::min(a.y, b.y), std::min(a.z, b.z)};
 }
 Float3 MaxOf(const Float3& a, const Float3& b) {
   return {std::max(a.x, b.x), std::max(a.y, b.y), std::max(a.z, b.z)};
-}
-
-struct Corners {
-  Float3 v0, v1, v2;
-  bool exist = true;
-};
-
-Corners CornersOf(std::span<const Float3> positions, const UInt3& t) {
-  const size_t n = positions.size();
-  const auto at = [&](uint32_t i) { return i < n ? positions[i] : Float3{}; };
-  return {at(t.x), at(t.y), at(t.z), t.x < n && t.y < n && t.z < n};
-}
-
-TriangleState StateOf(const Corners& c) {
-  if (!c.exist || !IsUsable(c.v0) || !IsUsable(c.v1) || !IsUsable(c.v2)) return TriangleState::Broken;
-  if (Equal(c.v0, c.v1) || Equal(c.v1, c.v2) || Equal(c.v2, c.v0)) return TriangleState::NoArea;
-  return TriangleState::Hittable;
 }
 
 }  // namespace
@@ -85,6 +57,7 @@ MeshBvh BuildMeshBvh(std::span<const Float3> positions, std::span<const UInt3> t
                                   kMaxTriangles - static_cast<uint32_t>(items.size()));
   }
   mesh.nodes = BuildWide(items, settings);
+  mesh.recordsInLeaves = static_cast<uint32_t>(items.size());
 
   const size_t records = items.size() + unhittable.size();
   mesh.triangles.resize(records);
@@ -98,26 +71,6 @@ MeshBvh BuildMeshBvh(std::span<const Float3> positions, std::span<const UInt3> t
     }
   });
   return mesh;
-}
-
-std::vector<MeshBvh> BuildMeshBvhs(std::span<const MeshInput> meshes, const BuildOptions& options) {
-  const unsigned threads = options.threads == 0 ? DefaultThreadCount() : options.threads;
-  std::vector<MeshBvh> result(meshes.size());
-  std::vector<size_t> small, large;
-  for (size_t i = 0; i < meshes.size(); ++i) {
-    (meshes[i].triangles.size() < kLargeMeshTriangles ? small : large).push_back(i);
-  }
-  const auto build = [&](size_t i, unsigned threadCount) {
-    result[i] = BuildMeshBvh(meshes[i].positions, meshes[i].triangles, meshes[i].slots, {threadCount, options.spatialSplits});
-  };
-  for (const size_t i : large) build(i, threads);
-  // The largest first, so that no thread ends late with one of them.
-  std::sort(small.begin(), small.end(), [&](size_t a, size_t b) {
-    const size_t sizeA = meshes[a].triangles.size(), sizeB = meshes[b].triangles.size();
-    return sizeA != sizeB ? sizeA > sizeB : a < b;
-  });
-  ParallelFor(small.size(), threads, [&](size_t i) { build(small[i], 1); });
-  return result;
 }
 
 }  // namespace wavefront::bvh

@@ -13,7 +13,9 @@
 
 #include "wavefront/base/check.h"
 #include "wavefront/base/parallel.h"
+#include "wavefront/scene/bvh/node_boxes.h"
 #include "wavefront/scene/bvh/spatial_split.h"
+#include "wavefront/scene/bvh/tree_cost.h"
 #include "wavefront/scene/bvh/vector4.h"
 #include "wavefront/shared/scene_layout.h"
 
@@ -23,9 +25,6 @@ namespace {
 constexpr uint32_t kIndexDisguise = 0x40000000u;  // exponent bits of 2.0f: below 2^29 every index is a normal float
 constexpr uint32_t kMaxBins = 128;
 constexpr uint32_t kMinTaskItems = 2048;
-// A visit of a node that parts a leaf, in triangle tests. Measured in time it is about 1.1; more asks more of nodes that
-// cost memory (resources/TRAVERSAL.md).
-constexpr double kNodeCost = 1.6;
 // Planes that cut items are looked at where the parts of the best other split overlap by this much of the whole tree's
 // area, and where that split would cost less by this much without the overlap (resources/TRAVERSAL.md).
 constexpr double kOverlapOfTree = 1e-4;
@@ -45,11 +44,19 @@ struct Range {
 };
 
 struct Bin {
-  Box4 bounds;
-  uint32_t count = 0;
+  Vec4 lo, hi;
+  uint32_t count;
+
+  Box4 bounds() const { return {lo, hi}; }
 };
+// Most ranges are small and use few of the bins: only those are set to empty.
 struct Bins {
   Bin axis[3][kMaxBins];
+
+  explicit Bins(uint32_t used) {
+    const Box4 empty;
+    for (auto& row : axis) std::fill_n(row, used, Bin{empty.lo, empty.hi, 0});
+  }
 };
 
 // Maps twice a centre to a bin of each axis.
@@ -89,8 +96,8 @@ void FillBins(const BuildItem* items, uint32_t begin, uint32_t end, const BinMap
     const Vec4 lo = Load(items[i].lo), hi = Load(items[i].hi);
     for (int axis = 0; axis < 3; ++axis) {
       Bin& bin = bins.axis[axis][std::clamp(at[axis], 0, last)];
-      bin.bounds.lo = Min(bin.bounds.lo, lo);
-      bin.bounds.hi = Max(bin.bounds.hi, hi);
+      bin.lo = Min(bin.lo, lo);
+      bin.hi = Max(bin.hi, hi);
       ++bin.count;
     }
   }
@@ -101,26 +108,27 @@ Split BestSplit(const Bins& bins, uint32_t binCount) {
   Split best;
   for (int axis = 0; axis < 3; ++axis) {
     const Bin* row = bins.axis[axis];
-    std::array<Box4, kMaxBins> fromRight;
+    std::array<double, kMaxBins> areaRight;
     std::array<uint32_t, kMaxBins> countRight;
     Box4 box;
     uint32_t count = 0;
     for (uint32_t i = binCount; i-- > 1;) {
-      box.Extend(row[i].bounds);
+      box.Extend(row[i].bounds());
       count += row[i].count;
-      fromRight[i] = box;
+      areaRight[i] = box.HalfArea();
       countRight[i] = count;
     }
     box = Box4{};
     count = 0;
     for (uint32_t i = 1; i < binCount; ++i) {
-      box.Extend(row[i - 1].bounds);
+      box.Extend(row[i - 1].bounds());
       count += row[i - 1].count;
       if (count == 0 || countRight[i] == 0) continue;
-      const double cost = box.HalfArea() * count + fromRight[i].HalfArea() * countRight[i];
-      if (cost < best.cost) best = {axis, i, cost, box, fromRight[i], count};
+      const double cost = box.HalfArea() * count + areaRight[i] * countRight[i];
+      if (cost < best.cost) best = {axis, i, cost, box, Box4{}, count};
     }
   }
+  for (uint32_t i = best.bin; best.axis >= 0 && i < binCount; ++i) best.rightBounds.Extend(bins.axis[best.axis][i].bounds());
   return best;
 }
 
@@ -253,7 +261,7 @@ class Builder {
   bool IsWorthNode(const Range& range) const {
     if (range.size() == 1) return false;
     const BinMapping mapping(range);
-    Bins bins;
+    Bins bins(mapping.count);
     FillBins(items_.data(), range.begin, range.end, mapping, bins);
     const double area = range.bounds.HalfArea();
     return BestSplit(bins, mapping.count).cost + kNodeCost * area < area * range.size();
@@ -266,7 +274,7 @@ class Builder {
     const bool mayBeLeaf = count <= settings_.maxLeafItems;
     if (!equalParts || mayBeLeaf) {
       const BinMapping mapping(range);
-      Bins bins;
+      Bins bins(mapping.count);
       BinRange(range, mapping, bins);
       const Split split = BestSplit(bins, mapping.count);
       const SpatialSplit spatial = equalParts ? SpatialSplit{} : BestCut(range, split);
@@ -397,7 +405,7 @@ class Builder {
       return;
     }
     // Boxes and counts merge exactly, so how the work was cut does not show.
-    std::vector<Bins> partial(std::min<size_t>(settings_.threads, chunks));
+    std::vector<Bins> partial(std::min<size_t>(settings_.threads, chunks), Bins(mapping.count));
     ParallelFor(partial.size(), settings_.threads, [&](size_t part) {
       const auto cut = [&](size_t i) { return range.begin + static_cast<uint32_t>(count * i / partial.size()); };
       FillBins(items_.data(), cut(part), cut(part + 1), mapping, partial[part]);
@@ -405,8 +413,11 @@ class Builder {
     for (const Bins& part : partial) {
       for (int axis = 0; axis < 3; ++axis) {
         for (uint32_t i = 0; i < mapping.count; ++i) {
-          bins.axis[axis][i].bounds.Extend(part.axis[axis][i].bounds);
-          bins.axis[axis][i].count += part.axis[axis][i].count;
+          Bin& bin = bins.axis[axis][i];
+          const Bin& added = part.axis[axis][i];
+          bin.lo = Min(bin.lo, added.lo);
+          bin.hi = Max(bin.hi, added.hi);
+          bin.count += added.count;
         }
       }
     }
@@ -516,47 +527,13 @@ class Builder {
   std::vector<Task> tasks_;
 };
 
-// Steps of 2^(exponent - 127) from `origin` that cover up to `hi` in at most 255 steps.
-uint32_t StepExponent(double origin, double hi) {
-  int exponent = 1;
-  const double extent = hi - origin;
-  if (extent > 0) {
-    std::frexp(extent / 255, &exponent);  // extent / 255 < 2^exponent
-    exponent = std::max(exponent + 127, 1);
-    while (exponent > 1 && std::ldexp(255, exponent - 1 - 127) >= extent) --exponent;
-  }
-  return static_cast<uint32_t>(exponent);
-}
-
 BvhNode4 Builder::MakeNode(const std::array<Range, 4>& parts, uint32_t count) {
   BvhNode4 node{};
   node.childCount = static_cast<uint8_t>(count);
   std::fill(std::begin(node.children), std::end(node.children), layout::kBvhEmpty);
-  Box4 whole;
-  for (uint32_t i = 0; i < count; ++i) whole.Extend(parts[i].bounds);
-  uint8_t* const lows[3] = {node.loX, node.loY, node.loZ};
-  uint8_t* const highs[3] = {node.hiX, node.hiY, node.hiZ};
-  const auto wholeLo = Store(whole.lo), wholeHi = Store(whole.hi);
-  for (int axis = 0; axis < 3; ++axis) {
-    if (count == 0) {
-      node.exponents[axis] = 1;
-      continue;
-    }
-    const double origin = wholeLo[axis];
-    node.origin[axis] = wholeLo[axis];
-    const uint32_t exponent = StepExponent(origin, wholeHi[axis]);
-    node.exponents[axis] = static_cast<uint8_t>(exponent);
-    const double step = std::ldexp(1.0, static_cast<int>(exponent) - 127);
-    for (uint32_t i = 0; i < count; ++i) {
-      const double lo = Store(parts[i].bounds.lo)[axis], hi = Store(parts[i].bounds.hi)[axis];
-      int low = static_cast<int>(std::clamp(std::floor((lo - origin) / step), 0.0, 255.0));
-      int high = static_cast<int>(std::clamp(std::ceil((hi - origin) / step), 0.0, 255.0));
-      while (low > 0 && origin + low * step > lo) --low;  // the quotient was rounded
-      while (high < 255 && origin + high * step < hi) ++high;
-      lows[axis][i] = static_cast<uint8_t>(low);
-      highs[axis][i] = static_cast<uint8_t>(high);
-    }
-  }
+  std::array<Box4, 4> boxes;
+  for (uint32_t i = 0; i < count; ++i) boxes[i] = parts[i].bounds;
+  QuantiseBoxes(node, {boxes.data(), count});
   return node;
 }
 
