@@ -97,6 +97,32 @@ def test_capture_needs_no_device(tmp_path: Path, monkeypatch: pytest.MonkeyPatch
     assert (tmp_path / "a.hdwscene").read_bytes().startswith(b"HDWSCENE")
 
 
+def test_a_scene_of_the_benchmark_is_captured_by_name(tmp_path: Path) -> None:
+    """With its long paths, which the stage asks for: the same as where options do."""
+    from hdwavefront.bench.scenes import SCENES
+    from hdwavefront.cli.main import main
+
+    named, optioned = tmp_path / "named.hdwscene", tmp_path / "optioned.hdwscene"
+    assert main(["capture", "conference", str(named)]) == 0
+    scene = SCENES["conference"](str(tmp_path))
+    assert scene.settings == {"maxBounces": 16, "rouletteBounce": 6}
+    options = ["--maxBounces", "16", "--rouletteBounce", "6", "--imageWidth", "640", "--imageHeight", "360"]
+    assert main(["capture", scene.path, str(optioned), *options]) == 0
+    done = replay(named, "--compare", str(optioned))
+    assert (done.returncode, done.stdout) == (0, "The same to the bit.\n"), done.stdout + done.stderr
+
+
+def test_a_file_comes_before_a_scene_of_its_name(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    from hdwavefront.cli.main import main
+
+    Path("carpaint").write_text("no usd")
+    assert main(["capture", "carpaint", "out.hdwscene"]) == 1
+    assert "The stage carpaint is broken" in capfd.readouterr().err
+
+
 def test_textures_are_halved_where_asked(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
     stage = TESTENV / "Material.Texture/scene.usda"
     capture(stage, tmp_path / "whole.hdwscene")

@@ -9,6 +9,7 @@ import argparse
 from typing import Any
 
 from ..stage_adapters import WINDOW_POLICIES
+from . import named_scenes
 
 _COMPLEXITIES = ("low", "medium", "high", "veryhigh")
 # Settings that have a flag of another name.
@@ -24,7 +25,7 @@ def _truth(text: str) -> bool:
 
 
 def add_record_arguments(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("usdFilePath", help="USD file to record")
+    parser.add_argument("usdFilePath", help=f"what to record: {named_scenes.HELP}")
     parser.add_argument(
         "outputImagePath",
         help="Output image path. For frame ranges, the path must contain exactly one frame number placeholder of the "
@@ -41,7 +42,7 @@ def add_record_arguments(parser: argparse.ArgumentParser) -> None:
 
 def add_capture_arguments(parser: argparse.ArgumentParser) -> None:
     """What a scene is made of, by the names that `record` has for it."""
-    parser.add_argument("usdFilePath", help="USD file to capture")
+    parser.add_argument("usdFilePath", help=f"what to capture: {named_scenes.HELP}")
     parser.add_argument("sceneFilePath", help="file to write, for wavefront-bench; by habit NAME.hdwscene")
     _add_usdrecord_stage_arguments(parser)
     times = parser.add_mutually_exclusive_group()

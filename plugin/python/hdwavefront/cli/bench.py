@@ -11,11 +11,11 @@ import sys
 from typing import Any
 
 from ..errors import EXIT_FAILED, EXIT_OK, HdWavefrontError, UsageError
+from .named_scenes import NAMES as _SCENES
 
 _QUICK_SECONDS = 105.0
 _QUICK_SCENE_SECONDS = 14.0
 _WHOLE_SECONDS = 570.0
-_SCENES = ("carpaint", "city", "conference")
 _SWEEPS = ("materials", "triangles", "instances", "lights", "resolution", "samples", "pool")
 _RAY_TURNS = 9
 _MILLION = "a million triangles"  # the sweep's step, for rays

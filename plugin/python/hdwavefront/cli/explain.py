@@ -11,12 +11,13 @@ import sys
 from typing import Any
 
 from ..errors import EXIT_INTERRUPTED, EXIT_OK, UsageError
+from . import named_scenes
 
 _NAMES_SHOWN = 6
 
 
 def add_explain_arguments(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("usdFilePath", help="USD file whose materials are explained")
+    parser.add_argument("usdFilePath", help=f"whose materials are explained: {named_scenes.HELP}")
     parser.add_argument(
         "material",
         nargs="?",

@@ -64,14 +64,18 @@ def main(arguments: Sequence[str] | None = None) -> int:
             from .doctor import print_version
 
             return print_version()
+        from . import named_scenes
+
         if args.command == "record":
             from .record import record
 
-            return record(args)
+            with named_scenes.built(args):
+                return record(args)
         if args.command == "explain":
             from .explain import explain
 
-            return explain(args)
+            with named_scenes.built(args):
+                return explain(args)
         if args.command == "bench":
             from .bench import bench
 
@@ -79,7 +83,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         if args.command == "capture":
             from .capture import capture
 
-            return capture(args)
+            with named_scenes.built(args):
+                return capture(args)
         if args.command == "doctor":
             from .doctor import doctor
 

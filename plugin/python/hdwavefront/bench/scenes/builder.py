@@ -30,7 +30,7 @@ class Scene:
     materials: int
     width: int
     height: int
-    settings: Mapping[str, Any] = field(default_factory=dict)  # render settings by token
+    settings: Mapping[str, int] = field(default_factory=dict)  # render settings by token
 
 
 class Builder:
@@ -190,12 +190,23 @@ class Builder:
         camera.CreateClippingRangeAttr(Gf.Vec2f(0.01, 10000))
         UsdGeom.Xformable(camera).AddTransformOp().Set(_look_at(position, target))
 
-    def finish(self, width: int = 640, height: int = 360, **settings: Any) -> Scene:
-        """Writes the file."""
+    def finish(self, width: int = 640, height: int = 360, **settings: int) -> Scene:
+        """Writes the file; size and settings stand in it too, for those who open it without this Scene."""
+        self._write_render_settings(width, height, settings)
         layer = self.stage.GetRootLayer()
         if not layer.Export(self.path):
             raise OSError(f"the scene {self.path} cannot be written")
         return Scene(self.name, self.path, self.triangles, self.instances, self.materials, width, height, settings)
+
+    def _write_render_settings(self, width: int, height: int, settings: Mapping[str, int]) -> None:
+        from pxr import Gf, Sdf, UsdRender
+
+        prim = UsdRender.Settings.Define(self.stage, "/Render/Settings")
+        prim.CreateResolutionAttr(Gf.Vec2i(width, height))
+        prim.CreateCameraRel().SetTargets(["/World/main_cam"])
+        for token, value in settings.items():
+            prim.GetPrim().CreateAttribute(f"wavefront:{token}", Sdf.ValueTypeNames.Int).Set(value)
+        self.stage.SetMetadata("renderSettingsPrimPath", str(prim.GetPath()))
 
 
 def _look_at(position: Sequence[float], target: Sequence[float]) -> Any:
