@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "tests/wavefront/scene/bvh_fixture.h"
+#include "wavefront/scene/bvh/mesh_trees.h"
 #include "wavefront/scene/bvh/tree_cost.h"
 
 namespace wavefront::bvh {
@@ -112,6 +113,26 @@ TEST(Refit, IsRefusedWhereOtherTrianglesCanBeHit) {
   EXPECT_FALSE(refits(300, {0, 0, 0}, 0));             // no longer broken
   EXPECT_FALSE(refits(305, {0, 1, 0}, 0));             // has area now
   EXPECT_TRUE(refits(305, {0, kNan, 0}, 2));           // in no leaf before and after
+}
+
+// Leaves that hold all of a long triangle, where they held a piece, make a tree that rays would be lost in: the first edit builds it
+// fast, those after it are refits.
+TEST(MeshTrees, AMeshWithManyCutsIsBuiltFastOnce) {
+  const Soup soup = BeamsThroughClutter(5000, 100);
+  std::vector<TreeJob> jobs(1);
+  TreeCounts counts;
+  for (const TreeJob::Way expected : {TreeJob::Way::Build, TreeJob::Way::BuildFast, TreeJob::Way::Refit, TreeJob::Way::Refit}) {
+    const std::vector<Float3> positions = Moved(soup, 0.0001f, 11);
+    jobs[0].positions = positions;
+    jobs[0].triangles = soup.triangles;
+    MakeTrees(jobs, 2, counts);
+    EXPECT_EQ(jobs[0].way, expected);
+    if (expected != TreeJob::Way::Build) CheckHolds(jobs[0].mesh, positions, soup.triangles);  // those boxes hold pieces
+    jobs[0].way = TreeJob::Way::Refit;
+  }
+  EXPECT_EQ(counts.built, 1u);
+  EXPECT_EQ(counts.builtFast, 1u);
+  EXPECT_EQ(counts.refitted, 2u);
 }
 
 TEST(Refit, OfInstancesHoldsThemAndKnowsWhoIsMissing) {
