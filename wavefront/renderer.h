@@ -115,11 +115,18 @@ struct KernelStats {
   uint64_t spirvBytes = 0, spirvInstructions = 0;
   uint32_t stateBytesRead = 0, stateBytesWritten = 0;  // of path state, by an item, at most (scheduler/state_traffic.h)
   std::vector<std::string> driverStatistics;  // "name: value", with HDWAVEFRONT_DRIVER_STATISTICS=1 where the driver has them
+  uint64_t peak = 0;     // most items in one iteration; 0 where it is not counted (the megakernel, what runs once an iteration)
+  double occupancy = 0;  // items in an iteration on average, as a share of the pool's paths: 1 is every path every time
+};
+// Paths that stood in line for a kernel; times are of the kernel that empties it.
+struct QueueStats {
+  std::string name;
+  uint64_t items = 0, peak = 0;
+  double occupancy = 0, milliseconds = 0;  // as in KernelStats
 };
 // What commits did to bounding volume hierarchies, since the renderer was made (scene/bvh/mesh_trees.h has the rule): those of
 // meshes, and those over all instances.
 struct TreeStats { uint64_t built = 0, builtFast = 0, refitted = 0, instancesBuilt = 0, instancesRefitted = 0; };
-struct QueueStats { std::string name; uint64_t items = 0, peak = 0; };
 struct RenderStats {
   std::vector<KernelStats> kernels;
   std::vector<QueueStats> queues;

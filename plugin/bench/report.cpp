@@ -83,14 +83,16 @@ void WriteKernels(JsonWriter& json, const RenderStats& stats) {
   for (const KernelStats& k : stats.kernels) {
     if (k.milliseconds <= 0 && k.items == 0) continue;
     json.Begin('{').Pair("name", k.name).Pair("milliseconds", k.milliseconds).Pair("share", k.milliseconds / total);
-    json.Pair("items", k.items).Pair("dispatches", k.dispatches);
+    json.Pair("items", k.items).Pair("peak", k.peak).Pair("occupancy", k.occupancy).Pair("dispatches", k.dispatches);
     json.Pair("nanosecondsPerItem", k.items == 0 ? 0.0 : k.milliseconds * 1e6 / static_cast<double>(k.items));
     json.Pair("compileMilliseconds", k.codeMilliseconds + k.createMilliseconds + k.firstDispatchMilliseconds).End('}');
   }
   json.End(']');
   json.Key("queues").Begin('[');
   for (const QueueStats& q : stats.queues)
-    if (q.items > 0) json.Begin('{').Pair("name", q.name).Pair("items", q.items).Pair("peak", q.peak).End('}');
+    if (q.items > 0)
+      json.Begin('{').Pair("name", q.name).Pair("items", q.items).Pair("peak", q.peak).Pair("occupancy", q.occupancy)
+          .Pair("milliseconds", q.milliseconds).End('}');
   json.End(']');
 }
 

@@ -40,6 +40,8 @@ VtDictionary ToStats(const RenderParam& param) {
   for (const wavefront::KernelStats& kernel : stats.kernels) {
     d["kernel:" + kernel.name + ":ms"] = VtValue(kernel.milliseconds);
     d["kernel:" + kernel.name + ":items"] = VtValue(kernel.items);
+    d["kernel:" + kernel.name + ":peak"] = VtValue(kernel.peak);
+    d["kernel:" + kernel.name + ":occupancy"] = VtValue(kernel.occupancy);
   }
   // Materials of one topology share a kernel: its time is that of all of them together.
   for (const delegate::RenderDelegate::KernelUse& use : core.kernelUses())
@@ -54,6 +56,8 @@ VtDictionary ToStats(const RenderParam& param) {
   for (const wavefront::QueueStats& queue : stats.queues) {
     d["queue:" + queue.name + ":peak"] = VtValue(queue.peak);
     d["queue:" + queue.name + ":items"] = VtValue(queue.items);
+    d["queue:" + queue.name + ":occupancy"] = VtValue(queue.occupancy);
+    d["queue:" + queue.name + ":ms"] = VtValue(queue.milliseconds);
   }
   return d;
 }

@@ -57,6 +57,12 @@ TEST(Stats, TellWhatKernelsQueuesAndMaterialsCost) {
   EXPECT_GE(StatOf<double>(stats, "kernel:logic:ms"), 0);
   EXPECT_GT(StatOf<uint64_t>(stats, "kernel:logic:items"), 0u);
   EXPECT_GT(StatOf<uint64_t>(stats, "queue:extensionRay:peak"), 0u);
+  EXPECT_EQ(StatOf<uint64_t>(stats, "kernel:extension_ray:peak"), StatOf<uint64_t>(stats, "queue:extensionRay:peak"));
+  for (const char* name : {"kernel:extension_ray:occupancy", "queue:extensionRay:occupancy"}) {
+    EXPECT_GT(StatOf<double>(stats, name), 0) << name;
+    EXPECT_LE(StatOf<double>(stats, name), 1) << name;
+  }
+  EXPECT_EQ(StatOf<double>(stats, "queue:extensionRay:ms"), StatOf<double>(stats, "kernel:extension_ray:ms"));
   EXPECT_GE(StatOf<uint64_t>(stats, "queue:extensionRay:items"), StatOf<uint64_t>(stats, "queue:extensionRay:peak"));
   // What the floor and the box wear is in the picture. Kernels that materials share are told with each of them.
   for (const std::string path : {"/looks/plain", "/looks/wood"}) {

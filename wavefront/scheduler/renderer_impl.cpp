@@ -3,12 +3,12 @@
 #include "wavefront/scheduler/renderer_impl.h"
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <cstring>
 
 #include "wavefront/base/parallel.h"
 #include "wavefront/scheduler/pipeline_cache_file.h"
+#include "wavefront/scheduler/work_stats.h"
 #include "wavefront/shared/counters_layout.h"
 #include "wavefront/vulkan/driver_compile.h"
 
@@ -16,17 +16,6 @@ namespace wavefront {
 namespace {
 
 std::atomic<int64_t> liveRenderers{0};
-
-// As statistics name the queues: the row's name, first letter small.
-std::string QueueName(std::string name) {
-  name[0] = static_cast<char>(std::tolower(static_cast<unsigned char>(name[0])));
-  return name;
-}
-const std::string kQueueNames[] = {
-#define WAVEFRONT_QUEUE(Name, index, doc) QueueName(#Name),
-#include "wavefront/shared/queues.def"
-#undef WAVEFRONT_QUEUE
-};
 
 // Equal values must not restart a render, so settings and cameras are compared field by field.
 bool SameCamera(const CameraData& a, const CameraData& b) {
@@ -337,36 +326,9 @@ void RendererImpl::Publish() {
     constexpr const char* kStates[] = {"unused", "compiling", "ready", "failed"};
     s.kernels[k].state = kStates[static_cast<std::size_t>(tracer_->kernels().state(static_cast<uint32_t>(k - kKernelCount)))];
   }
-  auto items = [&](Kernel k, uint64_t n) { s.kernels[static_cast<uint32_t>(k)].items = n; };
-  const uint64_t visits = loop.iterations * tracer_->poolSize();
-  if (tracer_->executionMode() == ExecutionMode::Wavefront) {
-    items(Kernel::Logic, visits);
-    items(Kernel::Scatter, visits);
-  }
-  items(Kernel::NewPath, loop.pathsStarted);
-  auto queued = [&](Queue q) { return loop.queueItems[static_cast<uint32_t>(q)]; };
-  items(Kernel::LightSample, queued(Queue::LightSample));
-  items(Kernel::Escape, queued(Queue::Escape));
-  items(Kernel::MediumScatter, queued(Queue::MediumScatter));
-  items(Kernel::SubsurfaceWalk, queued(Queue::SubsurfaceWalk));
-  items(Kernel::SubsurfaceExit, queued(Queue::SubsurfaceExit));
-  items(Kernel::ExtensionRay, queued(Queue::ExtensionRay));
-  items(Kernel::ShadowRay, queued(Queue::ShadowRay));
-  for (std::size_t b = layout::kFirstMaterialBucket; b < loop.bucketItems.size(); ++b) {
-    const std::size_t row = kKernelCount + b - layout::kFirstMaterialBucket;
-    if (row < s.kernels.size()) s.kernels[row].items = loop.bucketItems[b];
-  }
-  s.queues = {{"newPath", loop.pathsStarted, loop.bucketPeak.empty() ? 0u : loop.bucketPeak[layout::kBucketNewPath]}};
-  for (uint32_t q = 0; q < kQueueKinds; ++q) s.queues.push_back({kQueueNames[q], loop.queueItems[q], loop.queuePeak[q]});
-  for (std::size_t b = layout::kFirstMaterialBucket; b < loop.bucketItems.size(); ++b) {
-    const std::size_t row = kKernelCount + b - layout::kFirstMaterialBucket;
-    if (row < s.kernels.size()) s.queues.push_back({s.kernels[row].name, loop.bucketItems[b], loop.bucketPeak[b]});
-  }
-  for (const auto& [key, t] : displacer_->times())
-    s.kernels.push_back({"displacement:" + key, t.seconds * 1e3, t.corners, t.dispatches, "ready", 0, false, t.createSeconds * 1e3, t.firstDispatchSeconds * 1e3, t.spirvBytes});
   s.paths = loop.pathsStarted - std::min(loop.pathsStarted, loop.active);
-  s.segments = s.extensionRays = queued(Queue::ExtensionRay);
-  s.shadowRays = queued(Queue::ShadowRay);
+  s.segments = s.extensionRays = loop.queueItems[static_cast<uint32_t>(Queue::ExtensionRay)];
+  s.shadowRays = loop.queueItems[static_cast<uint32_t>(Queue::ShadowRay)];
   s.iterations = loop.iterations;
   s.submits = tracer_->submits();
   s.commitSeconds = commitSeconds_;
@@ -384,10 +346,10 @@ void RendererImpl::Publish() {
   s.errorFlags = loop.errorFlags;
   s.poolSize = tracer_->poolSize();
   s.executionMode = tracer_->executionMode();
-  if (s.executionMode == ExecutionMode::Megakernel) {
-    row(tracer_->megakernel().times());
-    s.kernels.back().items = s.segments;
-  }
+  if (s.executionMode == ExecutionMode::Megakernel) row(tracer_->megakernel().times());
+  AddWork(loop, s.poolSize, s.executionMode, &s);
+  for (const auto& [key, t] : displacer_->times())
+    s.kernels.push_back({"displacement:" + key, t.seconds * 1e3, t.corners, t.dispatches, "ready", 0, false, t.createSeconds * 1e3, t.firstDispatchSeconds * 1e3, t.spirvBytes});
   const vulkan::MemoryByKind memory = device_->memoryByKind();
   for (std::size_t k = 0; k < vulkan::kMemoryKindCount; ++k) {
     const std::string name(vulkan::MemoryKindName(static_cast<vulkan::MemoryKind>(k)));

@@ -145,6 +145,8 @@ nb::dict StatsDict(const RenderDelegate& self) {
     k["name"] = kernel.name;
     k["milliseconds"] = kernel.milliseconds;
     k["items"] = kernel.items;
+    k["peak"] = kernel.peak;
+    k["occupancy"] = kernel.occupancy;
     k["dispatches"] = kernel.dispatches;
     k["state"] = kernel.state;
     k["codeMilliseconds"] = kernel.codeMilliseconds;
@@ -162,6 +164,8 @@ nb::dict StatsDict(const RenderDelegate& self) {
     q["name"] = queue.name;
     q["items"] = queue.items;
     q["peak"] = queue.peak;
+    q["occupancy"] = queue.occupancy;
+    q["milliseconds"] = queue.milliseconds;
     queues.append(q);
   }
   d["kernels"] = kernels;

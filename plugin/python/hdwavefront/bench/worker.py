@@ -118,6 +118,8 @@ def result_of(contestant: Contestant) -> dict[str, Any]:
             {"name": name, "milliseconds": ms, "items": items, "share": ms / everything}
             for name, (ms, items) in sorted(total.kernels.items(), key=lambda item: -item[1][0])
         ],
+        # Of the picture that the last turn was in: what stood in line for each kernel.
+        "queues": [dict(queue) for queue in stats["queues"] if queue["items"]],
         "turns": [{"wall": r.wall, "cpu": r.cpu, "paths": r.paths, "segments": r.segments} for r in readings],
         "poolSize": stats["poolSize"],
         "openSeconds": contestant.open_seconds,
