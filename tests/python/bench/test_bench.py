@@ -25,6 +25,10 @@ ROOT = Path(__file__).resolve().parents[3]
 CORNELL = ROOT / "testenv/Mitsuba.Cornell/scene.usda"
 
 
+TURN = {"wall": 1.0, "cpu": 2.0, "paths": 1_000_000, "segments": 2_000_000, "rays": 2_500_000,
+        "materialItems": 1_000_000, "share": dict.fromkeys(GROUPS, 0.25)}  # fmt: skip
+
+
 def mode_result(rate: float, **more: Any) -> dict[str, Any]:
     """As a worker says it, of numbers that are easy to follow."""
     return {
@@ -44,7 +48,9 @@ def mode_result(rate: float, **more: Any) -> dict[str, Any]:
             {"name": "shadow_ray", "milliseconds": 500.0, "items": 1_000_000, "share": 0.25},
             {"name": "material:abc:surface", "milliseconds": 1000.0, "items": 2_000_000, "share": 0.5},
         ],
+        "turns": [TURN, TURN],
         "openSeconds": 0.5,
+        "firstPathSeconds": 0.25,
         "compileSeconds": 1.5,
         "firstPictureSeconds": 2.5,
         "firstPictureCpuSeconds": 3.5,
@@ -135,7 +141,7 @@ def test_every_sweep_has_a_table(name: str) -> None:
     assert row is not None
     row["bytesPerInstance"] = 128.0
     assert step.label in sweeps.text_of(sweep, [row]).splitlines()[2]
-    assert sweep.values(row) > 0
+    assert row[sweep.figure] > 0
     # 4 s of a core, of which a quarter is rays, five million of them; two million items of materials.
     assert row["nanosecondsPerRay"] == pytest.approx(200.0)
     assert row["nanosecondsPerSegment"] == pytest.approx(1000.0)
@@ -152,17 +158,43 @@ def test_steps_that_do_not_fit_are_left_out_and_said(monkeypatch: pytest.MonkeyP
     monkeypatch.setattr(sweeps, "run_task", measured)
     monkeypatch.setattr(sweeps, "available_memory", lambda: 1e9)
     said: list[str] = []
-    rows = sweeps.run_sweep(sweeps.SWEEPS["triangles"], False, "", Clock(None), True, said.append)
+    rows = list(sweeps.run_sweep(sweeps.SWEEPS["triangles"], False, "", Clock(None), True, said.append))
     assert asked == ["10000", "100000", "1000000"] and len(rows) == 3
     assert said == ["  triangles 10,000,000: left out: it takes about 3.9 GiB of memory"]
     said.clear()
-    assert sweeps.run_sweep(sweeps.SWEEPS["pool"], False, "", Clock(0.0), True, said.append) == []
+    assert list(sweeps.run_sweep(sweeps.SWEEPS["pool"], False, "", Clock(0.0), True, said.append)) == []
     assert len(said) == 6 and all("left out: it would take about" in line for line in said)
 
 
-def test_distinct_topologies_stop_at_a_hundred() -> None:
-    left_out = [s.label for s in sweeps.SWEEPS["materials"].steps(False, "") if s.leave_out]
-    assert left_out == ["1000 x 400, 1000 distinct"]
+@pytest.mark.parametrize(("on_processor", "most"), [(True, 100), (False, 1000)])
+def test_distinct_topologies_stop_at_a_hundred_on_processors(
+    on_processor: bool, most: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(
+        sweeps,
+        "run_task",
+        lambda task, _: Outcome(scene={**SCENE, **task.sweep}, modes={"wavefront": mode_result(1.0)}, seconds=1.0),
+    )
+    said: list[str] = []
+    rows = sweeps.run_sweep(sweeps.SWEEPS["materials"], False, "", Clock(None), on_processor, said.append)
+    assert max(row["topologies"] for row in rows) == most
+    assert [line for line in said if "distinct topologies" in line] == (
+        ["  materials 1000 x 400, 1000 distinct: left out: more than 100 distinct topologies"] if on_processor else []
+    )
+
+
+def test_a_step_has_the_median_of_its_turns() -> None:
+    """One of three was disturbed."""
+    turns = [{**TURN, "cpu": cpu} for cpu in (2.0, 2.2, 9.0)]
+    outcome = Outcome(scene=dict(SCENE), modes={"wavefront": mode_result(1.0, turns=turns)})
+    step = sweeps.SWEEPS["pool"].steps(True, "")[0]
+    row = sweeps.row_of(step, outcome, on_processor=True)
+    assert row is not None
+    assert row["nanosecondsPerSegment"] == pytest.approx(1100)
+    assert row["nanosecondsPerSegmentSpread"] == pytest.approx((5.6 - 2.1) / 2 * 500)
+    assert "| 1,100 ± 80 % |" in sweeps.text_of(sweeps.SWEEPS["pool"], [row])
+    row = sweeps.row_of(step, outcome, on_processor=False)
+    assert row is not None and row["nanosecondsPerSegment"] == pytest.approx(500)
 
 
 @pytest.mark.parametrize(
@@ -172,6 +204,7 @@ def test_distinct_topologies_stop_at_a_hundred() -> None:
         ("instances", {"count": 30}, 30 * 80),
         ("lights", {"count": 7}, 1024 * 100 + 2),
         ("materials", {"count": 20, "topologies": 5, "operations": 400}, 1024 * 100),
+        ("materials", {"count": 200, "topologies": 200, "operations": 100}, 1024 * 100),
     ],
 )
 def test_sweep_scenes(kind: str, numbers: dict[str, int], triangles: int, tmp_path: Path) -> None:
@@ -189,7 +222,7 @@ def test_sweep_scenes(kind: str, numbers: dict[str, int], triangles: int, tmp_pa
             for p in stage.Traverse()
             if p.IsA(UsdShade.Material)
         }
-        assert scene.materials == 20 and len(networks) == 5
+        assert scene.materials == numbers["count"] and len(networks) == numbers["topologies"]
 
 
 def test_a_worker_is_ended_when_its_time_is_over(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -232,7 +265,8 @@ say("compared", identical=True)
         runner.subprocess, "Popen", lambda line, **kw: popen([sys.executable, str(script), line[-1]], **kw)
     )
     tasks = {name: Task(scene=name) for name in ("a", "broken", "b")}
-    found = run_side_by_side(tasks, Clock(120.0), 5.0, lambda _: None)
+    found: dict[str, Outcome] = {}
+    run_side_by_side(tasks, Clock(120.0), 5.0, lambda _: None, found)
     assert found["broken"].error == "no such scene"
     for name in "ab":
         assert found[name].identical is True and not found[name].error and not found[name].timed_out
@@ -258,17 +292,11 @@ def Camera "camera" {
     contestant.close()
 
 
-def test_wrong_usage_is_said(capfd: pytest.CaptureFixture[str]) -> None:
-    assert main(["bench", "nonsense"]) == 2
-    assert "'nonsense' is no file, and none of scenes, carpaint" in capfd.readouterr().err
-    assert main(["bench", "city", "--turns", "0"]) == 2
-
-
-def test_a_broken_stage_is_said(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
-    path = tmp_path / "broken.usda"
-    path.write_text("no usd")
-    assert main(["bench", str(path)]) == 1
-    assert "FAILED" in capfd.readouterr().out
+def test_start_up_has_the_first_path() -> None:
+    result = summary("city", outcome_of(3.0, None))
+    assert result is not None
+    head, _, line = ([c.strip() for c in x.strip("|").split("|")] for x in tables.start_table([result]).splitlines())
+    assert line[head.index("first path s, wave")] == "0.25"
 
 
 def test_noise_is_that_of_one_picture() -> None:

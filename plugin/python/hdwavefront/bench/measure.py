@@ -120,6 +120,7 @@ class Contestant:
             self.close()
             raise Unavailable(self._why_not())
         self.compile_seconds = compile_seconds(stats)
+        self.first_path_seconds = float(stats["firstPathSeconds"])  # since the scene was committed
         self.picture: npt.NDArray[np.float32] = self.render.map("color")
         self.readings: list[Reading] = []
         self.whole: dict[str, float] = {}

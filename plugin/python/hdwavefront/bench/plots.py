@@ -48,19 +48,33 @@ def draw(folder: str, result: Mapping[str, Any]) -> list[str]:
     for name, rows in result["sweeps"].items():
         if not rows:
             continue
-        figure, axis = pyplot.subplots(figsize=(5.5, 3.4))
-        _draw_sweep(axis, name, rows)
+        compared = any(row["megakernel"] for row in rows)
+        figure, axes = pyplot.subplots(1, 2 if compared else 1, figsize=(10 if compared else 5.5, 3.4), squeeze=False)
+        _draw_sweep(axes[0][0], name, rows)
+        if compared:
+            _draw_compiling(axes[0][1], name, rows)
         written += _save(figure, folder, name)
+        pyplot.close(figure)
+    if result["peers"]:
+        figure, axis = pyplot.subplots(figsize=(6.5, 0.9 + 0.35 * len(result["peers"])))
+        _draw_peers(axis, result["peers"])
+        written += _save(figure, folder, "peers")
         pyplot.close(figure)
     return written
 
 
+_MODES = {"megakernel": _COLORS[2], "wavefront": _COLORS[0]}
+
+
 def _draw_rates(axis: Any, scenes: Sequence[Mapping[str, Any]]) -> None:
-    for i, mode in enumerate(("megakernel", "wavefront")):
-        rates = [(s[mode] or {}).get("mpathsPerSecond", 0) for s in scenes]
-        errors = [(s[mode] or {}).get("mpathsPerSecondSpread", 0) for s in scenes]
-        places = [k + 0.4 * i - 0.2 for k in range(len(scenes))]
-        axis.bar(places, rates, 0.38, yerr=errors, label=mode, color=_COLORS[2 if i == 0 else 0])
+    """Bars side by side; where a mode was not measured, there is none, and no label where it was nowhere."""
+    for i, (mode, color) in enumerate(_MODES.items()):
+        there = [(k + 0.4 * i - 0.2, s[mode]) for k, s in enumerate(scenes) if s[mode]]
+        if not there:
+            continue
+        rates = [r["mpathsPerSecond"] for _, r in there]
+        errors = [r["mpathsPerSecondSpread"] for _, r in there]
+        axis.bar([place for place, _ in there], rates, 0.38, yerr=errors, label=mode, color=color)
     axis.set_xticks(range(len(scenes)), [s["name"] for s in scenes])
     axis.set_ylabel("Mpaths/s")
     axis.legend(frameon=False)
@@ -78,11 +92,43 @@ def _draw_shares(axis: Any, scenes: Sequence[Mapping[str, Any]]) -> None:
     axis.legend(frameon=False, ncols=4, loc="lower center", bbox_to_anchor=(0.5, 1.0), fontsize=8)
 
 
-def _draw_sweep(axis: Any, name: str, rows: Sequence[Mapping[str, Any]]) -> None:
-    sweep = SWEEPS[name]
-    values = [sweep.values(row) for row in rows]
-    axis.plot(range(len(rows)), values, "o-", color=_COLORS[0])
+def _label_steps(axis: Any, name: str, rows: Sequence[Mapping[str, Any]]) -> None:
     axis.set_xticks(range(len(rows)), [row["name"] for row in rows], rotation=30, ha="right", fontsize=8)
-    axis.set_ylim(0, 1.15 * max(values))
-    axis.set_ylabel(sweep.values_title)
-    axis.set_xlabel(sweep.axis)
+    axis.set_xlabel(SWEEPS[name].axis)
+
+
+def _draw_sweep(axis: Any, name: str, rows: Sequence[Mapping[str, Any]]) -> None:
+    """The sweep's figure with its spreads, of both modes where the other one was measured."""
+    key = SWEEPS[name].figure
+    top = 0.0
+    for mode, color in _MODES.items():
+        there = [(i, row if mode == "wavefront" else row[mode]) for i, row in enumerate(rows) if row[mode]]
+        values = [r[key] for _, r in there]
+        if there:
+            spreads = [r.get(f"{key}Spread", 0.0) for _, r in there]
+            axis.errorbar([i for i, _ in there], values, spreads, fmt="o-", capsize=3, color=color, label=mode)
+        top = max([top, *values])
+    axis.set_ylim(0, 1.15 * top)
+    axis.set_ylabel(SWEEPS[name].figure_title)
+    axis.legend(frameon=False)
+    _label_steps(axis, name, rows)
+
+
+def _draw_compiling(axis: Any, name: str, rows: Sequence[Mapping[str, Any]]) -> None:
+    for mode, color in _MODES.items():
+        there = [(i, row[mode]["compileSeconds"]) for i, row in enumerate(rows) if row[mode]]
+        axis.plot([i for i, _ in there], [s for _, s in there], "o-", color=color, label=mode)
+    axis.set_ylim(0)
+    axis.set_ylabel("s of threads to compile")
+    axis.legend(frameon=False)
+    _label_steps(axis, name, rows)
+
+
+def _draw_peers(axis: Any, rows: Sequence[Mapping[str, Any]]) -> None:
+    """Ours over theirs; beyond the line is in our favour."""
+    names = [" ".join([row["scene"], row["peer"], row.get("kind") or row.get("variant", "")]) for row in rows]
+    axis.barh(range(len(rows)), [row["ratio"] for row in rows], color=_COLORS[0])
+    axis.axvline(1.0, color="black", linewidth=0.8)
+    axis.set_yticks(range(len(rows)), names, fontsize=8)
+    axis.set_xlabel("ours / theirs")
+    axis.invert_yaxis()

@@ -147,16 +147,22 @@ def run_task(task: Task, limit: float) -> Outcome:
 
 
 def run_side_by_side(
-    tasks: Mapping[str, Task], clock: Clock, measuring: float, say: Callable[[str], None]
-) -> dict[str, Outcome]:
+    tasks: Mapping[str, Task],
+    clock: Clock,
+    measuring: float,
+    say: Callable[[str], None],
+    outcomes: dict[str, Outcome],
+) -> None:
     """Tasks of two modes, of which the second takes long to compile: all compile it at once, nothing is measured
-    meanwhile. Each is given `measuring` seconds for what comes then, out of the clock's."""
+    meanwhile. Each is given `measuring` seconds for what comes then, out of the clock's. `outcomes` has what they say
+    at any time, so that what comes in between loses none."""
     with contextlib.ExitStack() as stack:
         workers: dict[str, Worker] = {}
         waiting: set[str] = set()
         for name, task in tasks.items():
             say(f"{name}: first mode ...")
             workers[name] = stack.enter_context(Worker(replace(task, waits=True)))
+            outcomes[name] = workers[name].outcome
             if workers[name].listen(clock.left - measuring * len(tasks)):
                 waiting.add(name)
         say(f"compiling the second mode of {', '.join(sorted(waiting))} ...")
@@ -168,4 +174,3 @@ def run_side_by_side(
             workers[name].go_on()
             workers[name].listen(clock.left - measuring * (len(ready) - place - 1))
             workers[name].end()
-        return {name: worker.outcome for name, worker in workers.items()}

@@ -6,12 +6,13 @@ line says so."""
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any
 
+from .measure import Spread
 from .runner import Clock, Outcome, run_task
-from .tables import number, table
+from .tables import number, table, with_spread
 from .worker import Task
 
 
@@ -23,7 +24,7 @@ class Step:
     task: Task
     cost: float
     host_bytes: float = 0.0
-    leave_out: str = ""
+    not_on_a_processor: str = ""  # why it is left out there
 
 
 @dataclass(frozen=True)
@@ -34,8 +35,8 @@ class Sweep:
     columns: Sequence[tuple[str, Callable[[Mapping[str, Any]], str]]]
     note: str = ""
     axis: str = ""  # of the plot
-    values: Callable[[Mapping[str, Any]], float] = field(default=lambda row: row["nanosecondsPerRay"])
-    values_title: str = "ns of a core a ray"
+    figure: str = "nanosecondsPerRay"  # of a row; with "Spread" after it, its spread
+    figure_title: str = "ns of a core a ray"
 
 
 def _task(device: str, modes: tuple[str, ...] = ("wavefront",), **values: Any) -> Task:
@@ -71,7 +72,7 @@ def _material_steps(quick: bool, device: str) -> list[Step]:
                 f"{count} x {operations}, {topologies} distinct",
                 _task(device, modes, sweep=sweep),
                 2 + topologies,
-                leave_out=too_many,
+                not_on_a_processor=too_many,
             )
         )
     return steps
@@ -99,19 +100,25 @@ def _sample_steps(quick: bool, device: str) -> list[Step]:
     ]
 
 
-_RATE = ("Mpaths/s", lambda r: number(r["wavefront"]["mpathsPerSecond"]))
-_RAY = ("ns a ray", lambda r: number(r["nanosecondsPerRay"]))
-_SEGMENT = ("ns a segment", lambda r: number(r["nanosecondsPerSegment"]))
+def _measured(key: str, mode: str = "") -> Callable[[Mapping[str, Any]], str]:
+    """Of a row, or of a mode in it, with its spread."""
+
+    def show(row: Mapping[str, Any]) -> str:
+        values = row[mode] if mode else row
+        return with_spread(values[key], values[f"{key}Spread"]) if values else "–"
+
+    return show
+
+
+_RATE = ("Mpaths/s", _measured("mpathsPerSecond", "wavefront"))
+_RAY = ("ns a ray", _measured("nanosecondsPerRay"))
+_SEGMENT = ("ns a segment", _measured("nanosecondsPerSegment"))
 _OPEN = ("open s", lambda r: f"{r['wavefront']['openSeconds']:.2f}")
 _COMPILE = ("compile s", lambda r: f"{r['wavefront']['compileSeconds']:.1f}")
 
 
 def _gain(row: Mapping[str, Any]) -> str:
     return f"{row['gainInCpuTime'] * 100:+.0f} %" if row["gainInCpuTime"] is not None else "–"
-
-
-def _mega(key: str, digits: int = 3) -> Callable[[Mapping[str, Any]], str]:
-    return lambda r: number(r["megakernel"][key], digits) if r["megakernel"] else "–"
 
 
 SWEEPS = {
@@ -123,16 +130,16 @@ SWEEPS = {
             _material_steps,
             [
                 _SEGMENT,
-                ("ns a path in materials", lambda r: number(r["nanosecondsPerMaterialItem"])),
+                ("ns a path in materials", _measured("nanosecondsPerMaterialItem")),
                 _RATE,
                 _COMPILE,
-                ("mega Mpaths/s", _mega("mpathsPerSecond")),
-                ("mega compile s", _mega("compileSeconds")),
+                ("mega Mpaths/s", _measured("mpathsPerSecond", "megakernel")),
+                ("mega compile s", lambda r: number(r["megakernel"]["compileSeconds"]) if r["megakernel"] else "–"),
                 ("gain in CPU time", _gain),
             ],
             "operations are those of fractal noise, 125 an octave; each topology has a kernel",
             "materials x operations, topologies",
-            lambda r: r["nanosecondsPerSegment"],
+            "nanosecondsPerSegment",
             "ns of a core a segment",
         ),
         Sweep(
@@ -172,7 +179,7 @@ SWEEPS = {
             [_SEGMENT, _RAY, _RATE, _OPEN],
             "",
             "lights",
-            lambda r: r["nanosecondsPerSegment"],
+            "nanosecondsPerSegment",
             "ns of a core a segment",
         ),
         Sweep(
@@ -182,7 +189,7 @@ SWEEPS = {
             [_RATE, _SEGMENT],
             "",
             "pixels",
-            lambda r: r["nanosecondsPerSegment"],
+            "nanosecondsPerSegment",
             "ns of a core a segment",
         ),
         Sweep(
@@ -191,14 +198,11 @@ SWEEPS = {
             _sample_steps,
             [
                 ("seconds", lambda r: number(r["wavefront"]["wholeSeconds"])),
-                (
-                    "CPU ms a sample",
-                    lambda r: number(r["wavefront"]["wholeCpuSeconds"] * 1e3 / r["wavefront"]["wholeSamples"]),
-                ),
+                ("CPU ms a sample", lambda r: number(r["cpuMillisecondsPerSample"])),
             ],
             "from start to converged, kernels compiled before",
             "samples",
-            lambda r: r["wavefront"]["wholeCpuSeconds"] * 1e3 / r["wavefront"]["wholeSamples"],
+            "cpuMillisecondsPerSample",
             "CPU ms a sample",
         ),
         Sweep(
@@ -208,7 +212,7 @@ SWEEPS = {
             [_RATE, _SEGMENT],
             "",
             "paths",
-            lambda r: r["nanosecondsPerSegment"],
+            "nanosecondsPerSegment",
             "ns of a core a segment",
         ),
     )
@@ -226,21 +230,35 @@ def available_memory() -> float:
     return float(os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES"))
 
 
+# Of a row: the kernels whose time counts (all: none is named), and what of a turn it is divided by.
+_WORK = {
+    "nanosecondsPerSegment": ("", "segments"),
+    "nanosecondsPerRay": ("rays", "rays"),
+    "nanosecondsPerMaterialItem": ("materials", "materialItems"),
+}
+
+
+def _nanoseconds(turns: Sequence[Mapping[str, Any]], on_processor: bool, group: str, count: str) -> Spread:
+    """Of one core where the device is a processor, else of the device."""
+    work = "cpu" if on_processor else "wall"
+    return Spread.of([t[work] * 1e9 * (t["share"][group] if group else 1.0) / max(t[count], 1) for t in turns])
+
+
 def row_of(step: Step, outcome: Outcome, on_processor: bool) -> dict[str, Any] | None:
-    """What a table shows of a step; times are those of one core where the device is a processor."""
+    """What a table shows of a step."""
     from .scene_bench import summary
 
     row = summary(step.label, outcome)
     if row is None:
         return None
     wave = row["wavefront"]
-    work = wave["cpuSeconds"] if on_processor else wave["wallSeconds"]
-    kernels = {k["name"]: k for k in wave["kernels"]}
-    items = sum(k["items"] for name, k in kernels.items() if name.startswith("material:"))
-    rays = sum(kernels[name]["items"] for name in ("extension_ray", "shadow_ray") if name in kernels)
-    row["nanosecondsPerSegment"] = work * 1e9 / max(wave["segments"], 1)
-    row["nanosecondsPerRay"] = work * 1e9 * wave["share"]["rays"] / max(rays, 1)
-    row["nanosecondsPerMaterialItem"] = work * 1e9 * wave["share"]["materials"] / max(items, 1)
+    for result in filter(None, (wave, row["megakernel"])):
+        of = row if result is wave else result
+        for name, (group, count) in _WORK.items():
+            spread = _nanoseconds(result["turns"], on_processor, group, count)
+            of[name], of[f"{name}Spread"] = spread.median, spread.half_range
+    if "wholeSamples" in wave:
+        row["cpuMillisecondsPerSample"] = wave["wholeCpuSeconds"] * 1e3 / wave["wholeSamples"]
     row["geometryBytes"] = wave["memoryBytes"].get("geometry", 0)
     row["parameters"] = {**step.task.sweep, **step.task.settings, "width": step.task.width}
     return row
@@ -248,13 +266,14 @@ def row_of(step: Step, outcome: Outcome, on_processor: bool) -> dict[str, Any] |
 
 def run_sweep(
     sweep: Sweep, quick: bool, device: str, clock: Clock, on_processor: bool, say: Callable[[str], None]
-) -> list[dict[str, Any]]:
-    rows: list[dict[str, Any]] = []
+) -> Iterator[dict[str, Any]]:
+    """A row as soon as it is measured."""
+    first: dict[str, Any] | None = None
     per_cost, fixed = 0.0, 8.0
     for step in sweep.steps(quick, device):
         foreseen = fixed + per_cost * step.cost
-        if step.leave_out:
-            say(f"  {sweep.name} {step.label}: left out: {step.leave_out}")
+        if on_processor and step.not_on_a_processor:
+            say(f"  {sweep.name} {step.label}: left out: {step.not_on_a_processor}")
             continue
         if step.host_bytes > 0.7 * available_memory():
             say(f"  {sweep.name} {step.label}: left out: it takes about {step.host_bytes / 2**30:.1f} GiB of memory")
@@ -275,11 +294,10 @@ def run_sweep(
             continue
         for mode, reason in outcome.why_not.items():
             say(f"  {sweep.name} {step.label}: no {mode}: {reason}")
-        rows.append(row)
-        first = rows[0]
+        first = first or row
         count = max(row["instances"] - first["instances"], 1)
         row["bytesPerInstance"] = max(row["geometryBytes"] - first["geometryBytes"], 0) / count
-    return rows
+        yield row
 
 
 def text_of(sweep: Sweep, rows: Sequence[Mapping[str, Any]]) -> str:

@@ -107,6 +107,7 @@ def start_table(scenes: Sequence[Mapping[str, Any]]) -> str:
         "start-up",
         "open s",
         "compile s, wave",
+        "first path s, wave",
         "first picture s, wave",
         "compile s, mega",
         "first picture CPU s, mega",  # several compile side by side
@@ -115,7 +116,7 @@ def start_table(scenes: Sequence[Mapping[str, Any]]) -> str:
     for scene in scenes:
         wave, mega = scene["wavefront"], scene["megakernel"]
         row = [scene["name"], f"{wave['openSeconds']:.2f}", f"{wave['compileSeconds']:.1f}"]
-        row += [f"{wave['firstPictureSeconds']:.1f}"]
+        row += [f"{wave['firstPathSeconds']:.2f}", f"{wave['firstPictureSeconds']:.1f}"]
         row += [f"{mega['compileSeconds']:.1f}", f"{mega['firstPictureCpuSeconds']:.1f}"] if mega else ["–", "–"]
         rows.append(row)
     return table(head, rows)

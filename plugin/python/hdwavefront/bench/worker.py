@@ -120,14 +120,27 @@ def result_of(contestant: Contestant) -> dict[str, Any]:
         ],
         # Of the picture that the last turn was in: what stood in line for each kernel.
         "queues": [dict(queue) for queue in stats["queues"] if queue["items"]],
-        "turns": [{"wall": r.wall, "cpu": r.cpu, "paths": r.paths, "segments": r.segments} for r in readings],
+        "turns": [_turn(r) for r in readings],
         "poolSize": stats["poolSize"],
         "openSeconds": contestant.open_seconds,
+        "firstPathSeconds": contestant.first_path_seconds,
         "firstPictureSeconds": contestant.first_seconds,
         "firstPictureCpuSeconds": contestant.first_cpu,
         "compileSeconds": contestant.compile_seconds,
         "memoryBytes": dict(stats["memoryBytes"]),
         **contestant.whole,
+    }
+
+
+def _turn(r: Reading) -> dict[str, Any]:
+    return {
+        "wall": r.wall,
+        "cpu": r.cpu,
+        "paths": r.paths,
+        "segments": r.segments,
+        "rays": r.rays,
+        "materialItems": sum(items for name, (_, items) in r.kernels.items() if name.startswith("material:")),
+        "share": {g: r.milliseconds_of(g) / max(r.milliseconds, 1e-9) for g in GROUPS},
     }
 
 

@@ -5,20 +5,18 @@
 from __future__ import annotations
 
 import argparse
-import json
 import os
 import sys
 from typing import Any
 
-from ..errors import EXIT_FAILED, EXIT_OK, HdWavefrontError, UsageError
+from ..errors import EXIT_FAILED, EXIT_INTERRUPTED, EXIT_OK, HdWavefrontError, UsageError
+from . import bench_output, bench_peers
 from .named_scenes import NAMES as _SCENES
 
 _QUICK_SECONDS = 105.0
 _QUICK_SCENE_SECONDS = 14.0
 _WHOLE_SECONDS = 570.0
 _SWEEPS = ("materials", "triangles", "instances", "lights", "resolution", "samples", "pool")
-_RAY_TURNS = 9
-_MILLION = "a million triangles"  # the sweep's step, for rays
 _MEGAKERNEL_SECONDS = "600"  # of compiling, at most; the scenes are to be compared, whatever it takes
 
 
@@ -82,78 +80,17 @@ def _check(args: argparse.Namespace) -> None:
         value = getattr(args, name)
         if value is not None and value <= 0:
             raise UsageError(f"--{name} is {value}; it must be more than 0.")
-    if args.plots:
-        from ..bench import plots
-
-        if not plots.available():
-            raise HdWavefrontError("--plots needs matplotlib: pip install 'hdwavefront[bench]'")
+    bench_output.check(args)
 
 
 def _say(text: str) -> None:
     print(text, file=sys.stderr, flush=True)
 
 
-def _run_scenes(args: argparse.Namespace, tasks: dict[str, Any], clock: Any) -> tuple[list[dict[str, Any]], list[str]]:
-    """Results, and remarks about what went missing."""
-    from ..bench.runner import run_side_by_side, run_task
-    from ..bench.scene_bench import brief, remarks, summary
-
-    results: list[dict[str, Any]] = []
-    notes: list[str] = []
-
-    def take(name: str, outcome: Any) -> None:
-        notes.extend(remarks(name, outcome))
-        result = summary(name, outcome)
-        if result is not None:
-            results.append(result)
-            _say(f"{name}: {brief(result)}")
-
-    if not args.quick and len(tasks) > 1:
-        turns = next(iter(tasks.values()))
-        for name, outcome in run_side_by_side(tasks, clock, 4 * turns.turns * turns.seconds + 10, _say).items():
-            take(name, outcome)
-        return results, notes
-    for place, (name, task) in enumerate(tasks.items()):
-        limit = _limit(clock.left, len(tasks) - place - 1, args.quick)
-        if limit < 5:
-            notes.append(f"{name}: left out: {clock.passed:.0f} s have passed")
-            continue
-        _say(f"{name} ...")
-        take(name, run_task(task, limit))
-    return results, notes
-
-
-def _limit(left: float, others: int, quick: bool) -> float:
-    """Seconds of a scene, so that a slow compiler does not eat the others' time. In a hurry the first one gets its
-    megakernel if any does, and the others are measured without."""
-    if left == float("inf"):
-        return 3600.0
-    return left - _QUICK_SCENE_SECONDS * others if quick else left / (others + 1)
-
-
-def bench(args: argparse.Namespace) -> int:
-    from ..bench import machine as machines
-    from ..bench import tables
-    from ..bench.runner import Clock
-    from ..bench.sweeps import SWEEPS, run_sweep, text_of
+def _tasks(args: argparse.Namespace, scenes: list[str], stages: list[str]) -> dict[str, Any]:
+    """Of workers, by the names that their results have."""
     from ..bench.worker import Task
-    from ..stage import import_pxr
 
-    scenes, sweeps, stages = _chosen(args.what)
-    _check(args)
-    import_pxr()
-    os.environ.setdefault("HDWAVEFRONT_MEGAKERNEL_SECONDS", _MEGAKERNEL_SECONDS)
-    seconds = (
-        args.minutes * 60 if args.minutes else _QUICK_SECONDS if args.quick else None if args.what else _WHOLE_SECONDS
-    )
-    clock = Clock(seconds)
-    try:
-        machine = machines.describe(args.device)
-    except RuntimeError as error:
-        raise HdWavefrontError(str(error)) from None
-    print("\n".join(machines.lines(machine)), flush=True)
-    for folder in filter(None, (args.pictures, args.plots)):
-        os.makedirs(folder, exist_ok=True)
     common: dict[str, Any] = {
         "width": args.width,
         "samples": args.samples,
@@ -167,76 +104,116 @@ def bench(args: argparse.Namespace) -> int:
         tasks[name] = Task(scene=name, picture=picture, **common)
     for stage in stages:
         tasks[os.path.basename(stage)] = Task(stage=os.path.abspath(stage), **common)
-    if args.peer:
-        return _run_peers(args, [*scenes, *stages], "triangles" in sweeps, machine)
-    results, notes = _run_scenes(args, tasks, clock)
-    if results:
-        print("\n" + tables.scene_table(results, machine["isProcessor"]))
-        print("\n" + tables.kernel_table(results, machine["copyBytesPerSecond"]))
-        print("\n" + tables.start_table(results))
-        for result in results:
-            print("\n" + tables.all_kernels(result))
-    print("".join(f"\n{note}" for note in notes), flush=True)
+    return tasks
+
+
+def _measure_scenes(args: argparse.Namespace, tasks: dict[str, Any], clock: Any, report: dict[str, Any]) -> bool:
+    """Fills the report's "scenes", and "notes" about what went missing. False where something failed."""
+    from ..bench.runner import Outcome
+    from ..bench.scene_bench import remarks, summary
+
+    outcomes: dict[str, Outcome] = {}
+    try:
+        _run_scenes(args, tasks, clock, outcomes, report["notes"])
+    finally:
+        results = [summary(name, outcome) for name, outcome in outcomes.items()]
+        report["scenes"] += [result for result in results if result is not None]
+        _print_scenes(report)
+    for name, outcome in outcomes.items():
+        report["notes"] += remarks(name, outcome)
+    print("".join(f"\n{note}" for note in report["notes"]), flush=True)
+    missing = clock.left == float("inf") and len(report["scenes"]) < len(tasks)
+    return not missing and not any(o.error or o.identical is False for o in outcomes.values())
+
+
+def _run_scenes(
+    args: argparse.Namespace, tasks: dict[str, Any], clock: Any, outcomes: dict[str, Any], notes: list[str]
+) -> None:
+    from ..bench.runner import run_side_by_side, run_task
+
+    if not args.quick and len(tasks) > 1:
+        task = next(iter(tasks.values()))
+        run_side_by_side(tasks, clock, 4 * task.turns * task.seconds + 10, _say, outcomes)
+        return
+    for place, (name, task) in enumerate(tasks.items()):
+        limit = _limit(clock.left, len(tasks) - place - 1, args.quick)
+        if limit < 5:
+            notes.append(f"{name}: left out: {clock.passed:.0f} s have passed")
+            continue
+        _say(f"{name} ...")
+        outcomes[name] = run_task(task, limit)
+
+
+def _limit(left: float, others: int, quick: bool) -> float:
+    """Seconds of a scene, so that a slow compiler does not eat the others' time. In a hurry the first one gets its
+    megakernel if any does, and the others are measured without."""
+    if left == float("inf"):
+        return 3600.0
+    return left - _QUICK_SCENE_SECONDS * others if quick else left / (others + 1)
+
+
+def _print_scenes(report: dict[str, Any]) -> None:
+    from ..bench import tables
+
+    scenes, machine = report["scenes"], report["machine"]
+    if not scenes:
+        return
+    print("\n" + tables.scene_table(scenes, machine["isProcessor"]))
+    print("\n" + tables.kernel_table(scenes, machine["copyBytesPerSecond"]))
+    print("\n" + tables.start_table(scenes))
+    for scene in scenes:
+        print("\n" + tables.all_kernels(scene), flush=True)
+
+
+def _measure_sweeps(args: argparse.Namespace, sweeps: list[str], clock: Any, report: dict[str, Any]) -> None:
+    """Fills the report's "sweeps"."""
+    from ..bench.sweeps import SWEEPS, run_sweep, text_of
+
+    on_processor = report["machine"]["isProcessor"]
     os.environ["HDWAVEFRONT_MEGAKERNEL_SECONDS"] = "60"  # in sweeps it comes where it comes soon
-    sweep_rows = {}
     for name in sweeps:
         _say(f"{name} ...")
-        rows = run_sweep(SWEEPS[name], args.quick, args.device, clock, machine["isProcessor"], print)
-        sweep_rows[name] = rows
-        if rows:
-            print("\n" + text_of(SWEEPS[name], rows) + "\n", flush=True)
-    everything = {"machine": machine, "scenes": results, "sweeps": sweep_rows, "seconds": clock.passed, "notes": notes}
-    _write(args, everything)
-    broken = any(r["identical"] is False for r in results) or (len(results) < len(tasks) and seconds is None)
-    return EXIT_FAILED if broken else EXIT_OK
-
-
-def _run_peers(args: argparse.Namespace, names: list[str], a_million: bool, machine: dict[str, Any]) -> int:
-    import tempfile
-
-    from ..bench.peers.compare import compare, compare_rays, why_absent
-    from ..bench.scenes import SCENES, stage_scene, sweep_scene
-    from ..bench.tables import peer_table
-
-    rows, failed = [], False
-    for peer in args.peer:
-        absent = why_absent(peer)
-        if absent:
-            print(f"{peer} is not compared: {absent}.")
-            continue
-        for name in [*names, *([_MILLION] if peer == "embree" and a_million else [])]:
-            _say(f"{name} by {peer} ...")
-            with tempfile.TemporaryDirectory(prefix="hdwavefront-bench-") as folder:
-                if name == _MILLION:
-                    scene = sweep_scene(folder, "triangles", count=1_000_000)
-                else:
-                    scene = SCENES[name](folder) if name in SCENES else stage_scene(os.path.abspath(name))
-                try:
-                    if peer == "embree":
-                        rows += compare_rays(scene, folder, args.width, args.turns or _RAY_TURNS, args.device)
-                        continue
-                    rows.append(compare(peer, scene, folder, args.width, args.peer_samples, args.device, args.variant))
-                except HdWavefrontError as error:
-                    failed = True
-                    print(f"{name}: {error}")
-    if rows:
-        print("\n" + peer_table(rows))
-    if args.json:
-        _write(args, {"machine": machine, "peers": rows, "scenes": [], "sweeps": {}, "seconds": 0.0})
-    return EXIT_FAILED if failed else EXIT_OK
-
-
-def _write(args: argparse.Namespace, everything: dict[str, Any]) -> None:
-    if args.json:
+        rows = report["sweeps"][name] = []
         try:
-            with open(args.json, "w", encoding="utf-8") as file:
-                json.dump(everything, file, indent=1)
-                file.write("\n")
-        except OSError as error:
-            raise HdWavefrontError(f"The file {args.json} cannot be written: {error.strerror}") from None
-    if args.plots:
-        from ..bench import plots
+            for row in run_sweep(SWEEPS[name], args.quick, args.device, clock, on_processor, print):
+                rows.append(row)
+        finally:
+            if rows:
+                print("\n" + text_of(SWEEPS[name], rows) + "\n", flush=True)
 
-        for path in plots.draw(args.plots, everything):
-            print(f"Wrote {path}")
-    print(f"{everything['seconds']:.0f} s in all")
+
+def bench(args: argparse.Namespace) -> int:
+    from ..bench import machine as machines
+    from ..bench.runner import Clock
+    from ..stage import import_pxr
+
+    scenes, sweeps, stages = _chosen(args.what)
+    if args.peer:
+        bench_peers.check(args, [*scenes, *stages], sweeps)
+    _check(args)
+    import_pxr()
+    os.environ.setdefault("HDWAVEFRONT_MEGAKERNEL_SECONDS", _MEGAKERNEL_SECONDS)
+    seconds = (
+        args.minutes * 60 if args.minutes else _QUICK_SECONDS if args.quick else None if args.what else _WHOLE_SECONDS
+    )
+    clock = Clock(seconds)
+    try:
+        machine = machines.describe(args.device)
+    except RuntimeError as error:
+        raise HdWavefrontError(str(error)) from None
+    print("\n".join(machines.lines(machine)), flush=True)
+    report: dict[str, Any] = {"machine": machine, "scenes": [], "sweeps": {}, "peers": [], "notes": []}
+    try:
+        if args.peer:
+            good = bench_peers.compare_peers(args, [*scenes, *stages], sweeps, clock, report)
+        else:
+            good = _measure_scenes(args, _tasks(args, scenes, stages), clock, report)
+            _measure_sweeps(args, sweeps, clock, report)
+        code = EXIT_OK if good else EXIT_FAILED
+    except KeyboardInterrupt:
+        report["notes"].append("interrupted: what had been measured by then")
+        _say("\nhdwavefront: interrupted; what had been measured by then is kept")
+        code = EXIT_INTERRUPTED
+    report["seconds"] = clock.passed
+    bench_output.write(args, report)
+    return code

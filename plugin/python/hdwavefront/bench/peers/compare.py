@@ -26,7 +26,12 @@ from . import flat
 
 PEERS = ("mitsuba", "cycles", "embree")
 _HERE = Path(__file__).resolve().parent
+_LONGEST = 1800.0  # seconds of a peer, which may hang
 _OUTLIERS = 0.001  # share of pixels, the noisiest, that do not count: fireflies are decided by chance
+
+
+class OutOfTime(Exception):  # noqa: N818 - nothing is wrong: the time that was given is over
+    """Says what was not ready by then."""
 
 
 def relative_mse(first: npt.NDArray[np.float32], second: npt.NDArray[np.float32]) -> float:
@@ -38,19 +43,24 @@ def relative_mse(first: npt.NDArray[np.float32], second: npt.NDArray[np.float32]
     return float(kept.mean())
 
 
-def _own(scene: Scene, width: int, samples: int, device: str) -> dict[str, Any]:
+def _own(scene: Scene, width: int, samples: int, device: str, deadline: float) -> dict[str, Any]:
     from ...api import Render
+
+    def wait() -> None:
+        if not render.wait(max(0.0, deadline - time.monotonic())):
+            render.stop()
+            raise OutOfTime("our own picture was not ready when its time was over")
 
     render = Render(
         scene.path, width=width, device=device, settings={**scene.settings, "samples": 1}, dome_visible=True
     )
     render.start()
-    render.wait()
+    wait()
     pictures, seconds, wall_seconds = [], 0.0, 0.0
     for seed in (1, 2):
         wall, cpu = time.perf_counter(), time.process_time()
         render.start(samples=samples, seed=seed)
-        render.wait()
+        wait()
         seconds += time.process_time() - cpu
         wall_seconds += time.perf_counter() - wall
         pictures.append(render.map("color"))
@@ -97,27 +107,29 @@ def _run(peer: str, path: str, options: dict[str, Any], limit: float) -> list[di
             command, capture_output=True, text=True, timeout=limit, check=False, env={**os.environ, **own}
         )
     except subprocess.TimeoutExpired:
-        raise HdWavefrontError(f"{peer} did not end within {limit:.0f} s.") from None
+        raise OutOfTime(f"{peer} did not end within {limit:.0f} s") from None
     if done.returncode != 0:
         said = [line for line in done.stderr.splitlines() if line.strip()]
         raise HdWavefrontError(f"{peer} failed: {said[-1] if said else done.returncode}")
     return [json.loads(line) for line in done.stdout.splitlines() if line.startswith('{"event"')]
 
 
-def compare_rays(scene: Scene, folder: str, width: int, turns: int, device: str) -> list[dict[str, Any]]:
-    """A row for each kind of ray: Mrays/s of a core, ours and Embree's, and the median of their ratios in turns."""
+def compare_rays(scene: Scene, folder: str, width: int, turns: int, device: str, limit: float) -> list[dict[str, Any]]:
+    """A row for each kind of ray: Mrays/s of a core, ours and Embree's, and the median of their ratios in turns.
+    OutOfTime after `limit` seconds."""
     options = {"width": width, "height": width * 9 // 16, "turns": turns, "device": device}
-    said = _run("embree", flat.write(scene.path, folder), options, 1800.0)
+    said = _run("embree", flat.write(scene.path, folder), options, min(limit, _LONGEST))
     return [{"scene": scene.name, "peer": "embree", **line} for line in said if line["event"] == "rays"]
 
 
 def compare(
-    peer: str, scene: Scene, folder: str, width: int, samples: int, device: str, variant: str
+    peer: str, scene: Scene, folder: str, width: int, samples: int, device: str, variant: str, limit: float
 ) -> dict[str, Any]:
-    """Both on the scene."""
+    """Both on the scene. OutOfTime after `limit` seconds."""
+    deadline = time.monotonic() + limit
     bounces = int(scene.settings.get("maxBounces", 8))
     own_scene = Scene(scene.name, scene.path, 0, 0, 0, 0, 0, {**scene.settings, "maxBounces": bounces})
-    ours = _own(own_scene, width, samples, device)
+    ours = _own(own_scene, width, samples, device, deadline)
     options = {
         "width": ours["size"][0],
         "height": ours["size"][1],
@@ -126,7 +138,8 @@ def compare(
         "maxBounces": bounces,
         "rouletteBounce": int(scene.settings.get("rouletteBounce", 3)),
     }
-    said = _run(peer, flat.write(scene.path, folder), options, 1800.0)
+    path = flat.write(scene.path, folder)
+    said = _run(peer, path, options, min(max(0.0, deadline - time.monotonic()), _LONGEST))
     result: dict[str, Any] = {"scene": scene.name, "peer": peer, "variant": variant, "ours": ours}
     pictures = [line for line in said if line["event"] == "picture"]
     cpu, wall = (float(np.mean([p[key] for p in pictures])) for key in ("cpu", "wall"))

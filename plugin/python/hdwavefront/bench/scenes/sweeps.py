@@ -15,7 +15,8 @@ from .shapes import Array, Mesh, ellipsoid, merge, quad, surface
 
 # Arithmetic operations of one octave of MaterialX's fractal3d, as counted in its GLSL: eight gradients and their mix.
 OPERATIONS_PER_OCTAVE = 125
-MAX_TOPOLOGIES = 128
+_CHOICES = 10  # operations of a material that are one or another
+MAX_TOPOLOGIES = 1 << _CHOICES
 _CELLS = 32  # of the field of bodies, each way
 
 
@@ -37,11 +38,11 @@ def _grey(n: Network) -> None:
 
 
 def _material(number: int, topology: int, octaves: int) -> NetworkMaker:
-    """Fractal noise, of so many octaves, through seven operations that the bits of `topology` choose."""
+    """Fractal noise, of so many octaves, through operations that the bits of `topology` choose."""
 
     def make(n: Network) -> None:
         value: Output = n.fractal(n.position(1.5 + 0.01 * (number % 97), space="world"), octaves=octaves)
-        for bit in range(7):
+        for bit in range(_CHOICES):
             value = n.node("multiply_float" if topology >> bit & 1 else "min_float", in1=value, in2=1.0 - 0.01 * bit)
         hue = (0.381966 * number) % 1.0
         low, high = colorsys.hsv_to_rgb(hue, 0.7, 0.25), colorsys.hsv_to_rgb(hue, 0.5, 0.8)
