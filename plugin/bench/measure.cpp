@@ -9,6 +9,7 @@
 
 #include "delegate/capture/scene_file.h"
 #include "materialgen/spirv_cache.h"
+#include "plugin/bench/sample_count.h"
 
 namespace bench {
 namespace {
@@ -139,6 +140,88 @@ Status Prepare(Player& player, Measurement& m) {
   return {};
 }
 
+void DescribeScene(const RenderStats& stats, SceneResult& result) {
+  result.bvhSeconds = stats.bvhSeconds;
+  result.triangles = stats.triangles;
+  result.instances = stats.instances;
+  result.lights = stats.lights;
+  result.materials = stats.materials;
+  result.textures = stats.textures;
+}
+
+// The samples that every variant is measured with, from short renders that grow until they say enough.
+Result<uint32_t> ChooseSamples(Player& player, const std::vector<Measurement>& measurements, double seconds) {
+  const RenderSettings& settings = player.settings();
+  const uint64_t pixels = uint64_t{settings.width} * settings.height;
+  uint32_t chosen = settings.samples, tried = std::clamp(settings.samples, 1u, 2u);
+  for (bool enough = seconds <= 0; !enough; tried = std::min(chosen, 8 * tried)) {
+    std::vector<Probe> probes;
+    for (const Measurement& m : measurements) {
+      if (!m.rendered) continue;
+      auto render = player.Once(m.variant, tried);
+      if (!render) return render.error();
+      probes.push_back({render->stats.poolSize, render->seconds / tried});
+    }
+    chosen = SamplesFor(settings.samples, pixels, seconds, probes);
+    // Where nobody asked for a pool it grows with the work; a short time is mostly the host's.
+    enough = chosen <= 2 * tried || std::all_of(probes.begin(), probes.end(), [&](const Probe& p) {
+      return tried * p.secondsPerSample >= 0.1 * seconds && pixels * tried > p.poolSize;
+    });
+  }
+  return chosen;
+}
+
+Status RenderAll(delegate::CapturedScene scene, const std::vector<Variant>& variants, const MeasureOptions& options, SceneResult& result,
+                 std::vector<std::vector<Render>>& renders) {
+  const auto start = Clock::now();
+  auto made = Player::Create(std::move(scene), options);
+  if (!made) return made.error();
+  Player& player = **made;
+  const auto say = [&](const std::string& what) { if (options.progress) options.progress(result.name + ": " + what); };
+  const auto measureAll = [&]() -> Status {
+    for (std::size_t v = 0; v < variants.size(); ++v) {
+      Measurement& m = result.measurements[v];
+      say(std::string("compiling, ") + (m.variant.mode == ExecutionMode::Wavefront ? "wavefront" : "megakernel"));
+      if (Status s = Prepare(player, m); !s) return s;
+      if (v != 0) continue;
+      result.firstSeconds = Since(start);
+      DescribeScene(player.renderer().stats(), result);
+    }
+    auto samples = ChooseSamples(player, result.measurements, options.seconds);
+    if (!samples) return samples.error();
+    result.samples = samples.value();
+    for (uint32_t run = 0; run < options.runs; ++run)
+      for (std::size_t v = 0; v < variants.size(); ++v) {
+        if (!result.measurements[v].rendered) continue;
+        say("run " + std::to_string(run + 1) + " of " + std::to_string(options.runs));
+        auto render = player.Once(result.measurements[v].variant, result.samples);
+        if (!render) return render.error();
+        renders[v].push_back(std::move(render).value());
+      }
+    return {};
+  };
+  const Status status = measureAll();
+  const RenderStats stats = player.renderer().stats();
+  for (const auto& [kind, bytes] : stats.memoryPeakBytes) result.peakDeviceBytes += static_cast<double>(bytes);
+  result.validationMessages = stats.validationMessages;
+  result.diagnostics = player.Diagnostics();
+  if (!status) return status;
+  auto color = player.renderer().Map(Aov::Color);
+  if (color) result.color = std::move(color).value();
+  return {};
+}
+
+void Summarise(Measurement& m, std::vector<Render>& renders) {
+  for (const Render& render : renders) m.seconds.push_back(render.seconds);
+  const double median = m.median();
+  for (Render& render : renders) {
+    if (m.film.empty()) m.film = render.film;
+    m.identical = m.identical && m.film == render.film;
+    if (render.seconds == median) m.stats = std::move(render.stats);
+  }
+  if (m.variant.mode == ExecutionMode::Wavefront) m.stateBytesPerSegment = StateBytesPerSegment(m.stats);
+}
+
 }  // namespace
 
 double Measurement::median() const {
@@ -147,68 +230,30 @@ double Measurement::median() const {
   return sorted.empty() ? 0 : sorted[sorted.size() / 2];
 }
 
-Result<SceneResult> Measure(delegate::CapturedScene scene, const std::vector<Variant>& variants, const MeasureOptions& options) {
+SceneResult Measure(delegate::CapturedScene scene, const std::vector<Variant>& variants, const MeasureOptions& options) {
   SceneResult result;
   result.name = scene.info.name;
   result.version = scene.info.version;
   result.kernels = scene.kernels.size();
   LeaveOutCosts(scene.settings);
-  const auto start = Clock::now();
-  auto made = Player::Create(std::move(scene), options);
-  if (!made) return made.error();
-  Player& player = **made;
-  result.width = player.settings().width;
-  result.height = player.settings().height;
-  result.samples = player.settings().samples;
-  for (const Variant& variant : variants) {
-    Measurement m;
-    m.variant = variant;
-    const bool wave = variant.mode == ExecutionMode::Wavefront;
-    if (options.progress) options.progress(result.name + ": compiling, " + (wave ? "wavefront" : "megakernel"));
-    if (Status s = Prepare(player, m); !s) return s.error();
-    if (result.measurements.empty()) {
-      const RenderStats stats = player.renderer().stats();
-      result.firstSeconds = Since(start);
-      result.bvhSeconds = stats.bvhSeconds;
-      result.triangles = stats.triangles;
-      result.instances = stats.instances;
-      result.lights = stats.lights;
-      result.materials = stats.materials;
-      result.textures = stats.textures;
-    }
-    result.measurements.push_back(std::move(m));
-  }
+  result.width = scene.settings.width;
+  result.height = scene.settings.height;
+  result.samples = scene.settings.samples;
+  for (const Variant& variant : variants) result.measurements.emplace_back().variant = variant;
   std::vector<std::vector<Render>> renders(variants.size());
-  for (uint32_t run = 0; run < options.runs; ++run)
-    for (std::size_t v = 0; v < variants.size(); ++v) {
-      Measurement& m = result.measurements[v];
-      if (!m.rendered) continue;
-      if (options.progress)
-        options.progress(result.name + ": run " + std::to_string(run + 1) + " of " + std::to_string(options.runs));
-      auto render = player.Once(m.variant, result.samples);
-      if (!render) return render.error();
-      m.seconds.push_back(render->seconds);
-      if (m.film.empty()) m.film = render->film;
-      m.identical = m.identical && m.film == render->film;
-      renders[v].push_back(std::move(render).value());
-    }
+  if (Status s = RenderAll(std::move(scene), variants, options, result, renders); !s) result.error = s.error().message;
   std::string film;
   for (std::size_t v = 0; v < variants.size(); ++v) {
     Measurement& m = result.measurements[v];
-    if (!m.rendered) continue;
-    const double median = m.median();
-    for (Render& r : renders[v])
-      if (r.seconds == median) m.stats = std::move(r.stats);
-    if (m.variant.mode == ExecutionMode::Wavefront) m.stateBytesPerSegment = StateBytesPerSegment(m.stats);
+    if (renders[v].empty()) {
+      if (m.rendered || m.why.empty()) m.why = result.error;
+      m.rendered = false;
+      continue;
+    }
+    Summarise(m, renders[v]);
     if (film.empty()) film = m.film;
     result.identical = result.identical && m.identical && m.film == film;
   }
-  const RenderStats stats = player.renderer().stats();
-  for (const auto& [kind, bytes] : stats.memoryPeakBytes) result.peakDeviceBytes += static_cast<double>(bytes);
-  result.validationMessages = stats.validationMessages;
-  result.diagnostics = player.Diagnostics();
-  auto color = player.renderer().Map(Aov::Color);
-  if (color) result.color = std::move(color).value();
   return result;
 }
 

@@ -3,6 +3,7 @@
 // Renders of one scene, timed.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <functional>
 #include <map>
@@ -24,7 +25,7 @@ struct Variant {
 // Renders of a variant, after one that is not counted: kernels are compiled, memory is touched.
 struct Measurement {
   Variant variant;
-  bool rendered = false;             // false: the scene has no megakernel; `why` says why
+  bool rendered = false;             // false: the scene has no megakernel, or something failed; `why` says what
   std::string why;
   std::vector<double> seconds;       // of each render, Start to the last sample, in the order they were made
   wavefront::RenderStats stats;      // of the render with the median time
@@ -35,11 +36,16 @@ struct Measurement {
 
   double median() const;             // seconds
   double mpaths() const { return static_cast<double>(stats.paths) / median() * 1e-6; }
+  // How often the render filled its pool; at a few, its start and its end count.
+  double refills() const { return static_cast<double>(stats.paths) / std::max(stats.poolSize, 1u); }
+  // A pool was asked for that the device cannot have, or that is too small to be one.
+  bool poolCut() const { return rendered && variant.poolSize != 0 && variant.poolSize != stats.poolSize; }
   double mrays() const { return static_cast<double>(stats.extensionRays + stats.shadowRays) / median() * 1e-6; }
 };
 
 struct SceneResult {
   std::string name, version;         // version: of hdWavefront that captured it
+  std::string error;                 // what ended it early; empty: nothing. What was measured before is here
   uint32_t width = 0, height = 0, samples = 0;
   std::vector<Measurement> measurements;
   bool identical = true;             // all films of all variants are the same
@@ -55,10 +61,11 @@ struct MeasureOptions {
   std::string device;
   bool validation = false;
   uint32_t runs = 3;
+  double seconds = 0;                // that a render shall take (sample_count.h); 0: the scene's samples, whatever they take
   std::function<void(const std::string&)> progress;  // a line on what is being done
 };
 
 // Variants are rendered in turn, `runs` times round. `settings` are the scene's, with what the user asked for instead.
-wavefront::Result<SceneResult> Measure(delegate::CapturedScene scene, const std::vector<Variant>& variants, const MeasureOptions& options);
+SceneResult Measure(delegate::CapturedScene scene, const std::vector<Variant>& variants, const MeasureOptions& options);
 
 }  // namespace bench

@@ -26,6 +26,11 @@ bool ReadNumbers(std::string_view text, std::vector<uint32_t>* numbers) {
   }
 }
 
+bool ReadReal(std::string_view text, double* number) {
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), *number);
+  return error == std::errc() && end == text.data() + text.size();
+}
+
 struct Flag {
   const char *name, *value, *doc;  // value null: a switch
   std::function<bool(Options&, const std::string&)> read;
@@ -56,6 +61,9 @@ const std::vector<Flag>& Flags() {
       {"--runs", "N", "renders of each mode, the modes in turn; the median is shown (default 3)",
        [number](Options& o, const std::string& v) { return number(&Options::runs)(o, v) && o.runs >= 1 && o.runs <= 1000; }},
       {"--samples", "N", "samples a pixel, in place of the scene's", number(&Options::samples)},
+      {"--seconds", "N", "raise the samples until a render takes as long and fills its pool 16 times, if the slowest ends within 5 times as\n"
+       "                        long; 0: don't (default: 1 in sweeps, 0.2 with --quick, 0 for files and where --samples is given)",
+       [](Options& o, const std::string& v) { return ReadReal(v, &o.seconds) && o.seconds >= 0 && o.seconds <= 3600; }},
       {"--width", "N", "pixels, in place of the scene's; the height follows unless it is given", number(&Options::width)},
       {"--height", "N", "pixels", number(&Options::height)},
       {"--pool", "N,N,...", "paths in flight, each in turn; 0: what suits the device (default)",
@@ -98,6 +106,10 @@ wavefront::Result<Options> ParseOptions(std::span<const char* const> arguments) 
     return wavefront::Error{options.sweep.empty() ? "A scene file or --sweep is wanted." : "Scene files and --sweep cannot both be given."};
   if (options.compare && options.files.size() != 2) return wavefront::Error{"--compare wants two scene files."};
   if (!options.write.empty() && options.sweep.empty()) return wavefront::Error{"--write goes with --sweep."};
+  if (options.seconds < 0) {
+    const bool own = options.sweep.empty() || options.samples != 0 || FindSweep(options.sweep)->ownSamples;
+    options.seconds = own ? 0 : options.quick ? 0.2 : 1;
+  }
   return options;
 }
 

@@ -19,6 +19,7 @@ struct Options {
   bool wavefront = true, megakernel = true;
   uint32_t runs = 3;                // of each mode, after one that is not counted
   uint32_t samples = 0, width = 0, height = 0;  // 0: the scene's
+  double seconds = -1;              // that a render shall take; 0: as long as the scene's samples do; -1: not said
   std::vector<uint32_t> pools;      // 0: what suits the device
   std::string device;
   bool validate = false, compare = false, quick = false, listDevices = false, help = false;

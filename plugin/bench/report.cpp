@@ -9,6 +9,7 @@
 #include <cstring>
 
 #include "plugin/bench/json_writer.h"
+#include "plugin/bench/sample_count.h"
 
 namespace bench {
 namespace {
@@ -22,6 +23,8 @@ const Measurement* First(const SceneResult& scene, ExecutionMode mode) {
     if (m.variant.mode == mode && m.rendered) return &m;
   return nullptr;
 }
+
+bool Rendered(const SceneResult& scene) { return First(scene, ExecutionMode::Wavefront) || First(scene, ExecutionMode::Megakernel); }
 
 // How much faster the wavefront loop is than the megakernel of the same pool, as the paper counts: 0.36 is 36 %. NaN: no pair.
 double Gain(const SceneResult& scene) {
@@ -67,8 +70,11 @@ void PrintMeasurement(const Measurement& m, const DeviceBandwidth& device) {
     return;
   }
   const auto [low, high] = Spread(m);
-  std::printf("  %-11s %9.3f Mpaths/s  %9.3f Mrays/s  %.4f s (%.4f to %.4f in %zu)  pool %u  film %s\n", NameOf(m.variant.mode), m.mpaths(), m.mrays(),
-              m.median(), low, high, m.seconds.size(), m.stats.poolSize, m.film.c_str());
+  std::printf("  %-11s %9.3f Mpaths/s  %9.3f Mrays/s  %.4f s (%.4f to %.4f in %zu)  film %s\n", NameOf(m.variant.mode), m.mpaths(), m.mrays(),
+              m.median(), low, high, m.seconds.size(), m.film.c_str());
+  std::printf("    pool %u, filled %.1f times", m.stats.poolSize, m.refills());
+  if (m.poolCut()) std::printf("; CUT: %u were asked for", m.variant.poolSize);
+  std::printf("%s\n", m.refills() < 0.5 * kRefills ? " (start and end count)" : "");
   std::printf("    %.2f segments and %.2f shadow rays a path; making kernels took %.2f s\n",
               static_cast<double>(m.stats.segments) / static_cast<double>(std::max<uint64_t>(m.stats.paths, 1)),
               static_cast<double>(m.stats.shadowRays) / static_cast<double>(std::max<uint64_t>(m.stats.paths, 1)), m.compileSeconds);
@@ -104,7 +110,8 @@ void WriteMeasurement(JsonWriter& json, const Measurement& m, const DeviceBandwi
   }
   const auto [low, high] = Spread(m);
   json.Pair("mpathsPerSecond", m.mpaths()).Pair("mraysPerSecond", m.mrays()).Pair("seconds", m.median());
-  json.Pair("secondsLow", low).Pair("secondsHigh", high).Pair("runs", m.seconds.size()).Pair("poolSize", m.stats.poolSize);
+  json.Pair("secondsLow", low).Pair("secondsHigh", high).Pair("runs", m.seconds.size());
+  json.Pair("poolSize", m.stats.poolSize).Pair("poolAsked", m.variant.poolSize).Pair("poolCut", m.poolCut()).Pair("refills", m.refills());
   json.Pair("paths", m.stats.paths).Pair("segments", m.stats.segments).Pair("shadowRays", m.stats.shadowRays);
   json.Pair("iterations", m.stats.iterations).Pair("submits", m.stats.submits).Pair("errorFlags", m.stats.errorFlags);
   json.Pair("film", m.film).Pair("compileSeconds", m.compileSeconds).Pair("kernelMilliseconds", KernelMilliseconds(m.stats));
@@ -125,32 +132,41 @@ void PrintScene(const SceneResult& s, const DeviceBandwidth& device) {
               s.height, s.samples, static_cast<unsigned long long>(s.triangles), static_cast<unsigned long long>(s.instances),
               static_cast<unsigned long long>(s.lights), static_cast<unsigned long long>(s.materials), static_cast<unsigned long long>(s.kernels),
               static_cast<unsigned long long>(s.textures));
-  std::printf("  first picture after %.2f s, BVHs %.2f s of it; at most %.0f MiB of device memory\n", s.firstSeconds, s.bvhSeconds, s.peakDeviceBytes / 1048576);
+  if (s.firstSeconds > 0)
+    std::printf("  first picture after %.2f s, BVHs %.2f s of it; at most %.0f MiB of device memory\n", s.firstSeconds, s.bvhSeconds, s.peakDeviceBytes / 1048576);
   for (const Measurement& m : s.measurements) PrintMeasurement(m, device);
   if (const double gain = Gain(s); !std::isnan(gain)) std::printf("  wavefront is %+.0f %% faster\n", 100 * gain);
-  std::printf("  identical: %s\n", s.identical ? "yes" : "NO");
+  if (Rendered(s)) std::printf("  identical: %s\n", s.identical ? "yes" : "NO");
+  if (!s.error.empty()) std::printf("  FAILED: %s\n", s.error.c_str());
   for (const std::string& line : s.diagnostics) std::printf("  %s\n", line.c_str());
   if (s.validationMessages > 0) std::printf("  VALIDATION: %llu messages\n", static_cast<unsigned long long>(s.validationMessages));
   std::fflush(stdout);
 }
 
 void PrintSweep(const std::vector<SceneResult>& scenes) {
-  std::printf("\n%-40s %10s %10s %10s %7s %9s %9s %9s %8s %s\n", "scene", "pool", "wavefront", "megakernel", "gain", "Mrays/s", "compile s", "BVH s", "MiB",
+  std::printf("\n%-40s %10s %6s %10s %10s %7s %9s %9s %9s %8s %s\n", "scene", "pool", "filled", "wavefront", "megakernel", "gain", "Mrays/s", "compile s", "BVH s", "MiB",
               "identical");
+  bool cut = false;
   for (const SceneResult& s : scenes) {
     const Measurement *wave = First(s, ExecutionMode::Wavefront), *mega = First(s, ExecutionMode::Megakernel);
     const Measurement* any = wave ? wave : mega;
-    if (!any) continue;
+    if (!any) {
+      if (!s.error.empty()) std::printf("%-40.40s FAILED: %s\n", s.name.c_str(), s.error.c_str());
+      continue;
+    }
     const auto rate = [](const Measurement* m) {
       char text[32] = "-";
       if (m) std::snprintf(text, sizeof text, "%.3f", m->mpaths());
       return std::string(text);
     };
+    const std::string pool = std::to_string(any->stats.poolSize) + (any->poolCut() ? "!" : "");
     char gain[32] = "-";
     if (wave && mega) std::snprintf(gain, sizeof gain, "%+.0f%%", 100 * Gain(s));
-    std::printf("%-40.40s %10u %10s %10s %7s %9.3f %9.2f %9.2f %8.0f %s\n", s.name.c_str(), any->stats.poolSize, rate(wave).c_str(), rate(mega).c_str(), gain,
-                any->mrays(), any->compileSeconds, s.bvhSeconds, s.peakDeviceBytes / 1048576, s.identical ? "yes" : "NO");
+    std::printf("%-40.40s %10s %6.1f %10s %10s %7s %9.3f %9.2f %9.2f %8.0f %s%s\n", s.name.c_str(), pool.c_str(), any->refills(), rate(wave).c_str(), rate(mega).c_str(), gain,
+                any->mrays(), any->compileSeconds, s.bvhSeconds, s.peakDeviceBytes / 1048576, s.identical ? "yes" : "NO", s.error.empty() ? "" : ", FAILED");
+    cut = cut || any->poolCut();
   }
+  if (cut) std::printf("! a pool that the device cannot have: cut to what it can\n");
 }
 
 std::string Json(const DeviceBandwidth& device, const std::vector<SceneResult>& scenes) {
@@ -163,7 +179,9 @@ std::string Json(const DeviceBandwidth& device, const std::vector<SceneResult>& 
     json.Begin('{').Pair("name", s.name).Pair("version", s.version).Pair("width", s.width).Pair("height", s.height).Pair("samples", s.samples);
     json.Pair("triangles", s.triangles).Pair("instances", s.instances).Pair("lights", s.lights).Pair("materials", s.materials);
     json.Pair("kernels", s.kernels).Pair("textures", s.textures).Pair("firstSeconds", s.firstSeconds).Pair("bvhSeconds", s.bvhSeconds);
-    json.Pair("peakDeviceBytes", s.peakDeviceBytes).Pair("identical", s.identical).Pair("validationMessages", s.validationMessages);
+    json.Pair("peakDeviceBytes", s.peakDeviceBytes).Pair("validationMessages", s.validationMessages);
+    if (Rendered(s)) json.Pair("identical", s.identical);
+    if (!s.error.empty()) json.Pair("error", s.error);
     if (const double gain = Gain(s); !std::isnan(gain)) json.Pair("gain", gain);
     for (const ExecutionMode mode : {ExecutionMode::Wavefront, ExecutionMode::Megakernel})
       if (const Measurement* m = First(s, mode)) WriteMeasurement(json.Key(NameOf(mode)), *m, device);

@@ -239,7 +239,7 @@ std::span<const Sweep> Sweeps() {
       {"pool", "paths in flight: 2^12 to 2^17 on a CPU, 2^16 to 2^23 on a GPU", {1u << 14, 1u << 16},
        {1u << 12, 1u << 13, 1u << 14, 1u << 15, 1u << 16, 1u << 17}, {1u << 16, 1u << 17, 1u << 18, 1u << 19, 1u << 20, 1u << 21, 1u << 22, 1u << 23}, {}, PoolScene},
       {"resolution", "images 160 to 3840 pixels wide", {160, 320}, {160, 320, 640, 1280}, {160, 320, 640, 1280, 1920, 3840}, {}, ResolutionScene},
-      {"samples", "1 to 256 samples a pixel", {1, 4}, {1, 4, 16, 64}, {1, 4, 16, 64, 256}, {}, SampleScene},
+      {"samples", "1 to 256 samples a pixel", {1, 4}, {1, 4, 16, 64}, {1, 4, 16, 64, 256}, {}, SampleScene, true},
   };
   return sweeps;
 }

@@ -25,6 +25,7 @@ struct Sweep {
   std::vector<uint32_t> quick, cpu, gpu;  // sizes: with --quick, on a CPU's Vulkan driver, on a GPU
   std::vector<uint32_t> operations;       // each size with each of these; empty: without
   delegate::CapturedScene (*make)(const SweepPoint& point, bool cpu);
+  bool ownSamples = false;                // the samples a pixel are the sweep's matter: they are not raised
 };
 
 std::span<const Sweep> Sweeps();

@@ -7,75 +7,24 @@
 
 #include "delegate/capture/compare_scenes.h"
 #include "delegate/capture/scene_file.h"
-#include "plugin/bench/measure.h"
 #include "plugin/bench/options.h"
 #include "plugin/bench/report.h"
+#include "plugin/bench/session.h"
 #include "plugin/bench/sweeps.h"
 
 namespace {
 
 using namespace bench;
 
-constexpr int kDone = 0, kFailed = 1, kWrongUsage = 2, kDifferent = 3;
-
 int Fail(const std::string& message, int code = kFailed) {
   std::fprintf(stderr, "wavefront-bench: error: %s\n", message.c_str());
   return code;
-}
-
-std::vector<Variant> VariantsOf(const Options& options, uint32_t scenePool) {
-  std::vector<Variant> variants;
-  for (const uint32_t pool : options.pools) {
-    const uint32_t size = pool != 0 ? pool : scenePool;
-    if (options.wavefront) variants.push_back({wavefront::ExecutionMode::Wavefront, size});
-    if (options.megakernel) variants.push_back({wavefront::ExecutionMode::Megakernel, size});
-  }
-  return variants;
-}
-
-void ApplyWishes(const Options& options, wavefront::RenderSettings& settings) {
-  const double aspect = static_cast<double>(settings.height) / settings.width;
-  if (options.samples != 0) settings.samples = options.samples;
-  if (options.width != 0) {
-    settings.width = options.width;
-    settings.height = std::max(1u, static_cast<uint32_t>(options.width * aspect + 0.5));
-  }
-  if (options.height != 0) settings.height = options.height;
 }
 
 int ListDevices() {
   for (const wavefront::DeviceDescription& d : wavefront::ListDevices())
     std::printf("%s, %s (%s), Vulkan %s, %.1f GiB%s%s\n", d.name.c_str(), d.driver.c_str(), d.type.c_str(), d.apiVersion.c_str(),
                 static_cast<double>(d.heapBytes) / 1073741824.0, d.usable ? "" : "; not usable: ", d.whyNot.c_str());
-  return kDone;
-}
-
-struct Bench {
-  const Options& options;
-  const wavefront::DeviceBandwidth& device;
-  std::vector<SceneResult> results;
-
-  wavefront::Status Run(delegate::CapturedScene scene) {
-    ApplyWishes(options, scene.settings);
-    MeasureOptions measure{options.device, options.validate, options.runs, [](const std::string& line) { std::fprintf(stderr, "%s\n", line.c_str()); }};
-    const auto variants = VariantsOf(options, scene.settings.poolSize);
-    auto result = Measure(std::move(scene), variants, measure);
-    if (!result) return result.error();
-    PrintScene(result.value(), device);
-    results.push_back(std::move(result).value());
-    return {};
-  }
-};
-
-int Finish(const Bench& bench) {
-  const Options& options = bench.options;
-  if (!options.sweep.empty()) PrintSweep(bench.results);
-  if (!options.json.empty())
-    if (auto s = WriteText(Json(bench.device, bench.results), options.json); !s) return Fail(s.error().message);
-  if (!options.image.empty() && !bench.results.empty())
-    if (auto s = WritePfm(bench.results.back().color, options.image); !s) return Fail(s.error().message);
-  for (const SceneResult& result : bench.results)
-    if (!result.identical || result.validationMessages > 0) return kDifferent;
   return kDone;
 }
 
@@ -103,15 +52,14 @@ int Main(const Options& options) {
     return kDone;
   }
   PrintDevice(device.value());
-  Bench bench{options, device.value(), {}};
-  for (std::size_t i = 0; i < scenes.size(); ++i)
-    if (auto s = bench.Run(std::move(scenes[i])); !s) return Fail(options.files[i] + ": " + s.error().message);
+  Session session(options, device.value());
+  if (auto s = session.Begin(); !s) return Fail(s.error().message);
+  for (std::size_t i = 0; i < scenes.size(); ++i) session.Run(std::move(scenes[i]), options.files[i]);
   if (!options.sweep.empty()) {
     const Sweep& sweep = *FindSweep(options.sweep);
-    for (const SweepPoint& point : PointsOf(sweep, options.points, options.quick, cpu))
-      if (auto s = bench.Run(sweep.make(point, cpu)); !s) return Fail(point.name + ": " + s.error().message);
+    for (const SweepPoint& point : PointsOf(sweep, options.points, options.quick, cpu)) session.Run(sweep.make(point, cpu));
   }
-  return Finish(bench);
+  return session.Finish();
 }
 
 }  // namespace
