@@ -68,16 +68,16 @@ _MODES = {"megakernel": _COLORS[2], "wavefront": _COLORS[0]}
 
 def _draw_rates(axis: Any, scenes: Sequence[Mapping[str, Any]]) -> None:
     """Bars side by side; where a mode was not measured, there is none, and no label where it was nowhere."""
-    for i, (mode, color) in enumerate(_MODES.items()):
-        there = [(k + 0.4 * i - 0.2, s[mode]) for k, s in enumerate(scenes) if s[mode]]
-        if not there:
-            continue
+    modes = [mode for mode in _MODES if any(s[mode] for s in scenes)]
+    for i, mode in enumerate(modes):
+        there = [(k + 0.4 * (i - (len(modes) - 1) / 2), s[mode]) for k, s in enumerate(scenes) if s[mode]]
         rates = [r["mpathsPerSecond"] for _, r in there]
         errors = [r["mpathsPerSecondSpread"] for _, r in there]
-        axis.bar([place for place, _ in there], rates, 0.38, yerr=errors, label=mode, color=color)
+        axis.bar([place for place, _ in there], rates, 0.38, yerr=errors, label=mode, color=_MODES[mode])
     axis.set_xticks(range(len(scenes)), [s["name"] for s in scenes])
+    axis.set_xlim(-0.6, len(scenes) - 0.4)
     axis.set_ylabel("Mpaths/s")
-    axis.legend(frameon=False)
+    axis.legend(frameon=False, ncols=2, loc="lower center", bbox_to_anchor=(0.5, 1.0), fontsize=8)
 
 
 def _draw_shares(axis: Any, scenes: Sequence[Mapping[str, Any]]) -> None:
