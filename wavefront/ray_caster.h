@@ -29,6 +29,11 @@ struct CasterHit {
   uint32_t triangle = kNoTriangle;  // in the mesh's order
 };
 
+// What a ray fetches, on average, in bytes: all of it, whatever a cache answers.
+struct RayBytes {
+  double nodes = 0, triangles = 0;
+};
+
 // One thread at a time.
 class RayCaster {
  public:
@@ -43,6 +48,10 @@ class RayCaster {
   Status SetRays(std::span<const CasterRay> rays);
   // Nearest hits of all rays; waits for the device.
   Status Cast();
+  // As Cast, several times in one submission, with no host between; the device's seconds for all of them.
+  Result<double> CastTimed(uint32_t casts);
+  // By a kernel that counts; leaves the hits of a cast.
+  Result<RayBytes> CountBytes();
   // Of the last cast.
   Result<std::vector<CasterHit>> Hits();
 

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "delegate/capture/captured_scene.h"
+#include "plugin/bench/rays.h"
 #include "wavefront/renderer.h"
 
 namespace bench {
@@ -48,6 +49,7 @@ struct SceneResult {
   std::string error;                 // what ended it early; empty: nothing. What was measured before is here
   uint32_t width = 0, height = 0, samples = 0;
   std::vector<Measurement> measurements;
+  std::vector<RayMeasurement> rays;  // with --rays, instead
   bool identical = true;             // all films of all variants are the same
   uint64_t triangles = 0, instances = 0, lights = 0, materials = 0, textures = 0, kernels = 0;
   double firstSeconds = 0;           // from the scene in memory to its first render with all kernels: start-up

@@ -52,6 +52,7 @@ const std::vector<Flag>& Flags() {
       {"--points", "N,N,...", "sizes of the sweep's scenes in place of its own",
        [](Options& o, const std::string& v) { return ReadNumbers(v, &o.points) && std::find(o.points.begin(), o.points.end(), 0u) == o.points.end(); }},
       {"--quick", nullptr, "fewer and smaller scenes of the sweep, one run of each", on(&Options::quick)},
+      {"--rays", nullptr, "cast rays through the scenes instead of rendering them: the camera's, and two bounces of them", on(&Options::rays)},
       {"--mode", "MODE", "wavefront, megakernel or both (default)",
        [](Options& o, const std::string& v) {
          o.wavefront = v != "megakernel";

@@ -22,6 +22,7 @@ struct Options {
   double seconds = -1;              // that a render shall take; 0: as long as the scene's samples do; -1: not said
   std::vector<uint32_t> pools;      // 0: what suits the device
   std::string device;
+  bool rays = false;                // cast rays instead of rendering
   bool validate = false, compare = false, quick = false, listDevices = false, help = false;
   std::string json, image, write;   // files; empty: none
 };

@@ -120,6 +120,21 @@ void WriteMeasurement(JsonWriter& json, const Measurement& m, const DeviceBandwi
   json.End('}');
 }
 
+// Mrays/s if all that a ray reads came over the bus at the speed of copies: caches do better.
+double BusMrays(const RayMeasurement& m, const DeviceBandwidth& device) { return device.bytesPerSecond / std::max(m.bytesPerRay(), 1e-9) * 1e-6; }
+
+void WriteRays(JsonWriter& json, const SceneResult& s, const DeviceBandwidth& device) {
+  json.Key("rays").Begin('[');
+  for (const RayMeasurement& m : s.rays) {
+    const auto [fast, slow] = std::minmax_element(m.seconds.begin(), m.seconds.end());
+    json.Begin('{').Pair("kind", m.kind).Pair("triangles", m.triangles).Pair("rays", m.rays).Pair("hits", m.hits).Pair("overflows", m.overflows);
+    json.Pair("mraysPerSecond", m.mrays()).Pair("secondsLow", *fast).Pair("secondsHigh", *slow).Pair("runs", m.seconds.size());
+    json.Pair("nodeBytesPerRay", m.bytes.nodes).Pair("triangleBytesPerRay", m.bytes.triangles);
+    json.Pair("busMraysPerSecond", BusMrays(m, device)).Pair("shareOfBus", m.mrays() / BusMrays(m, device)).End('}');
+  }
+  json.End(']');
+}
+
 }  // namespace
 
 void PrintDevice(const DeviceBandwidth& device) {
@@ -140,6 +155,25 @@ void PrintScene(const SceneResult& s, const DeviceBandwidth& device) {
   if (!s.error.empty()) std::printf("  FAILED: %s\n", s.error.c_str());
   for (const std::string& line : s.diagnostics) std::printf("  %s\n", line.c_str());
   if (s.validationMessages > 0) std::printf("  VALIDATION: %llu messages\n", static_cast<unsigned long long>(s.validationMessages));
+  std::fflush(stdout);
+}
+
+void PrintRays(const SceneResult& s, const DeviceBandwidth& device) {
+  if (!s.error.empty()) {
+    std::printf("\n%s: rays FAILED: %s\n", s.name.c_str(), s.error.c_str());
+    return;
+  }
+  std::printf("\n%s: rays through %llu triangles as one mesh\n", s.name.c_str(), static_cast<unsigned long long>(s.triangles));
+  for (const std::string& line : s.diagnostics) std::printf("  %s\n", line.c_str());
+  std::printf("  %-10s %10s %6s %10s %21s %9s %9s %12s %8s\n", "rays", "count", "hit", "Mrays/s", "(lowest to highest)", "node B", "triangle B", "bus Mrays/s", "of bus");
+  for (const RayMeasurement& m : s.rays) {
+    const auto [fast, slow] = std::minmax_element(m.seconds.begin(), m.seconds.end());
+    const auto rate = [&](double seconds) { return static_cast<double>(m.rays) / seconds * 1e-6; };
+    std::printf("  %-10s %10llu %5.1f%% %10.3f (%8.3f to %8.3f) %9.0f %9.0f %12.3f %7.1f%%\n", m.kind.c_str(), static_cast<unsigned long long>(m.rays),
+                100.0 * static_cast<double>(m.hits) / static_cast<double>(m.rays), m.mrays(), rate(*slow), rate(*fast), m.bytes.nodes, m.bytes.triangles,
+                BusMrays(m, device), 100 * m.mrays() / BusMrays(m, device));
+    if (m.overflows > 0) std::printf("  %llu rays took more steps than they may\n", static_cast<unsigned long long>(m.overflows));
+  }
   std::fflush(stdout);
 }
 
@@ -185,6 +219,7 @@ std::string Json(const DeviceBandwidth& device, const std::vector<SceneResult>& 
     if (const double gain = Gain(s); !std::isnan(gain)) json.Pair("gain", gain);
     for (const ExecutionMode mode : {ExecutionMode::Wavefront, ExecutionMode::Megakernel})
       if (const Measurement* m = First(s, mode)) WriteMeasurement(json.Key(NameOf(mode)), *m, device);
+    if (!s.rays.empty()) WriteRays(json, s, device);
     json.Key("variants").Begin('[');
     for (const Measurement& m : s.measurements) WriteMeasurement(json, m, device);
     json.End(']').Key("diagnostics").Begin('[');

@@ -12,6 +12,8 @@ namespace bench {
 
 void PrintDevice(const wavefront::DeviceBandwidth& device);
 void PrintScene(const SceneResult& scene, const wavefront::DeviceBandwidth& device);
+// Of a scene that rays were cast through.
+void PrintRays(const SceneResult& scene, const wavefront::DeviceBandwidth& device);
 // The scenes of a sweep, a line each.
 void PrintSweep(const std::vector<SceneResult>& scenes);
 

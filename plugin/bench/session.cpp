@@ -32,23 +32,50 @@ void ApplyWishes(const Options& options, wavefront::RenderSettings& settings) {
   if (options.height != 0) settings.height = options.height;
 }
 
+// Enough to fill the device many times over, within 65,535 groups of a dispatch.
+constexpr uint32_t kRaysOnCpu = 1u << 17, kRaysOnGpu = 4'000'000;
+
+SceneResult CastRays(const delegate::CapturedScene& scene, const RayOptions& options) {
+  SceneResult result;
+  result.name = scene.info.name;
+  result.version = scene.info.version;
+  result.width = scene.settings.width;
+  result.height = scene.settings.height;
+  const bool moved = std::any_of(scene.meshes.begin(), scene.meshes.end(), [](const auto& mesh) { return !mesh.second.displacements.empty(); });
+  if (moved) result.diagnostics.push_back("Rays are cast through meshes without their displacements.");
+  auto rays = MeasureRays(scene, options);
+  if (rays) result.rays = std::move(rays).value();
+  else result.error = rays.error().message;
+  if (!result.rays.empty()) result.triangles = result.rays[0].triangles;
+  return result;
+}
+
 }  // namespace
 
 wavefront::Status Session::KeepJson() const {
   return options_.json.empty() ? wavefront::Status{} : WriteText(Json(device_, results_), options_.json);
 }
 
-void Session::Run(delegate::CapturedScene scene, const std::string& origin) {
-  ApplyWishes(options_, scene.settings);
+SceneResult Session::Measured(delegate::CapturedScene scene) const {
   const auto progress = [](const std::string& line) { std::fprintf(stderr, "%s\n", line.c_str()); };
+  if (options_.rays) {
+    progress(scene.info.name + ": casting rays");
+    return CastRays(scene, {options_.device, options_.runs, device_.type == "CPU" ? kRaysOnCpu : kRaysOnGpu});
+  }
   const MeasureOptions measure{options_.device, options_.validate, options_.runs, options_.seconds, progress};
   const auto variants = VariantsOf(options_, scene.settings.poolSize);
-  SceneResult result = Measure(std::move(scene), variants, measure);
+  return Measure(std::move(scene), variants, measure);
+}
+
+void Session::Run(delegate::CapturedScene scene, const std::string& origin) {
+  ApplyWishes(options_, scene.settings);
+  SceneResult result = Measured(std::move(scene));
   if (!result.error.empty()) {
     failed_ = true;
     Say((origin.empty() ? result.name : origin) + ": " + result.error);
   }
-  PrintScene(result, device_);
+  if (options_.rays) PrintRays(result, device_);
+  else PrintScene(result, device_);
   results_.push_back(std::move(result));
   if (wavefront::Status s = KeepJson(); !s) {
     failed_ = true;
@@ -57,7 +84,7 @@ void Session::Run(delegate::CapturedScene scene, const std::string& origin) {
 }
 
 ExitCode Session::Finish() const {
-  if (!options_.sweep.empty()) PrintSweep(results_);
+  if (!options_.sweep.empty() && !options_.rays) PrintSweep(results_);
   const auto seen = std::find_if(results_.rbegin(), results_.rend(), [](const SceneResult& r) { return !r.color.bits.empty(); });
   if (!options_.image.empty() && seen != results_.rend())
     if (wavefront::Status s = WritePfm(seen->color, options_.image); !s) {

@@ -28,6 +28,7 @@ class Session {
   const std::vector<SceneResult>& results() const { return results_; }
 
  private:
+  SceneResult Measured(delegate::CapturedScene scene) const;
   wavefront::Status KeepJson() const;
 
   const Options& options_;

@@ -90,6 +90,18 @@ def test_replays_to_the_bit(name: str, tmp_path: Path) -> None:
     assert np.array_equal(image, render.map("color")[..., :3])
 
 
+def test_rays_are_cast_through_a_captured_scene(tmp_path: Path) -> None:
+    file, facts_file = tmp_path / "a.hdwscene", tmp_path / "a.json"
+    capture(TESTENV / "Mitsuba.Cornell/scene.usda", file)
+    done = replay(file, "--rays", "--json", str(facts_file))
+    assert done.returncode == 0, done.stdout + done.stderr
+    rays = json.loads(facts_file.read_text())["scenes"][0]["rays"]
+    assert [r["kind"] for r in rays] == ["camera", "bounce 1", "bounce 2"]
+    assert all(r["mraysPerSecond"] > 0 and r["nodeBytesPerRay"] > 0 for r in rays)
+    assert rays[1]["hits"] / rays[1]["rays"] > 0.5, "most of what a box's walls see is the box"
+    assert "node B" in done.stdout and "bounce 2" in done.stdout
+
+
 def test_capture_needs_no_device(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("VK_ICD_FILENAMES", str(tmp_path / "none.json"))
     monkeypatch.setenv("VK_DRIVER_FILES", str(tmp_path / "none.json"))

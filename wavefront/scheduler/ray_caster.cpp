@@ -42,7 +42,7 @@ struct RayCaster::Parts {
   std::unique_ptr<vulkan::Device> device;
   std::unique_ptr<vulkan::Buffer> nodes, triangles, instances, rays, hits;
   std::unique_ptr<vulkan::PipelineLayout> layout;
-  std::unique_ptr<vulkan::ComputePipeline> pipeline;
+  std::unique_ptr<vulkan::ComputePipeline> pipeline, counter;  // counter: made when it is asked for
   std::unique_ptr<vulkan::DescriptorSet> set;
   std::vector<uint32_t> meshTriangles;  // by record
   uint32_t rayCount = 0;
@@ -68,6 +68,37 @@ struct RayCaster::Parts {
     return MakeKernel();
   }
 
+  Status MakePipeline(const char* kernel, std::unique_ptr<vulkan::ComputePipeline>& pipelineOf) {
+    constexpr uint32_t kLightShapesConstant = 1000;  // lib/features.glsl: a mesh has none
+    auto made = vulkan::ComputePipeline::Create(*device, *layout, {KernelSpirv(kernel), "main", {{kLightShapesConstant, 0}}, kernel});
+    if (!made) return made.error();
+    pipelineOf = std::move(made).value();
+    return {};
+  }
+
+  // The seconds on the device.
+  Result<double> Run(const vulkan::ComputePipeline& kernel, uint32_t times) {
+    if (rayCount == 0) return 0.0;
+    if (auto free = stream->Wait(stream->nextFreeAt()); !free) return free.error();
+    if (Status s = stream->Begin(); !s) return s.error();
+    stream->BindSet(*set);
+    stream->BindPipeline(kernel);
+    stream->PushConstants(std::as_bytes(std::span(&rayCount, 1)));
+    stream->Timestamp();
+    for (uint32_t i = 0; i < times; ++i) {
+      stream->Dispatch((rayCount + kGroup - 1) / kGroup);
+      stream->Barrier();
+    }
+    stream->Timestamp();
+    auto value = stream->Submit();
+    if (!value) return value.error();
+    if (auto done = stream->Wait(value.value()); !done) return done.error();
+    std::array<double, 2> nanoseconds{};
+    auto read = stream->ReadTimestamps(value.value(), nanoseconds);
+    if (!read) return read.error();
+    return (nanoseconds[1] - nanoseconds[0]) * 1e-9;
+  }
+
   Status MakeKernel() {
     using vulkan::DescriptorKind, vulkan::Format;
     const auto texels = [](uint32_t number, Format format) {
@@ -80,11 +111,7 @@ struct RayCaster::Parts {
         "ray caster");
     if (!madeLayout) return madeLayout.error();
     layout = std::move(madeLayout).value();
-    constexpr uint32_t kLightShapesConstant = 1000;  // lib/features.glsl: a mesh has none
-    auto madePipeline =
-        vulkan::ComputePipeline::Create(*device, *layout, {KernelSpirv("cast_rays"), "main", {{kLightShapesConstant, 0}}, "cast_rays"});
-    if (!madePipeline) return madePipeline.error();
-    pipeline = std::move(madePipeline).value();
+    if (Status s = MakePipeline("cast_rays", pipeline); !s) return s;
     auto madeStream = vulkan::CommandStream::Create(*device);
     if (!madeStream) return madeStream.error();
     stream = std::move(madeStream).value();
@@ -134,18 +161,29 @@ Status RayCaster::SetRays(std::span<const CasterRay> rays) {
 }
 
 Status RayCaster::Cast() {
+  auto seconds = parts_->Run(*parts_->pipeline, 1);
+  return seconds ? Status{} : Status{seconds.error()};
+}
+
+Result<double> RayCaster::CastTimed(uint32_t casts) { return parts_->Run(*parts_->pipeline, casts); }
+
+Result<RayBytes> RayCaster::CountBytes() {
   Parts& p = *parts_;
-  if (p.rayCount == 0) return {};
-  if (auto free = p.stream->Wait(p.stream->nextFreeAt()); !free) return free.error();
-  if (Status s = p.stream->Begin(); !s) return s;
-  p.stream->BindSet(*p.set);
-  p.stream->BindPipeline(*p.pipeline);
-  p.stream->PushConstants(std::as_bytes(std::span(&p.rayCount, 1)));
-  p.stream->Dispatch((p.rayCount + kGroup - 1) / kGroup);
-  auto value = p.stream->Submit();
-  if (!value) return value.error();
-  if (auto done = p.stream->Wait(value.value()); !done) return done.error();
-  return {};
+  RayBytes bytes;
+  if (p.rayCount == 0) return bytes;
+  if (!p.counter)
+    if (Status s = p.MakePipeline("count_ray_fetches", p.counter); !s) return s.error();
+  if (auto ran = p.Run(*p.counter, 1); !ran) return ran.error();
+  std::vector<std::array<uint32_t, 2>> counts(p.rayCount);
+  if (Status s = p.hits->Download(0, std::as_writable_bytes(std::span(counts))); !s) return s.error();
+  for (const auto& [nodes, triangles] : counts) {
+    bytes.nodes += nodes;
+    bytes.triangles += triangles;
+  }
+  bytes.nodes /= p.rayCount;
+  bytes.triangles /= p.rayCount;
+  if (Status s = Cast(); !s) return s.error();
+  return bytes;
 }
 
 Result<std::vector<CasterHit>> RayCaster::Hits() {

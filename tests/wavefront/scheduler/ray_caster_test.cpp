@@ -37,6 +37,31 @@ TEST(RayCaster, FindsTheNearestTriangleInTheMeshsOrder) {
   EXPECT_EQ(hits.value()[1].triangle, 1u);
   EXPECT_EQ(hits.value()[1].t, 0.5f);
   EXPECT_EQ(hits.value()[2].triangle, kNoTriangle);
+
+  auto seconds = caster.value()->CastTimed(5);
+  ASSERT_TRUE(seconds) << seconds.error().message;
+  EXPECT_GT(seconds.value(), 0);
+  EXPECT_EQ(caster.value()->Hits().value()[0].t, 2.0f);
+}
+
+TEST(RayCaster, CountsWhatARayFetches) {
+  const std::vector<Float3> points = {{-1, -1, 0}, {1, -1, 0}, {0, 1, 0}};
+  const std::vector<UInt3> triangles = {{0, 1, 2}};
+  auto caster = RayCaster::Create("", points, triangles);
+  ASSERT_TRUE(caster) << caster.error().message;
+  constexpr float kInfinite = std::numeric_limits<float>::infinity();
+  const CasterRay aside{{5, 5, 1}, 0, {0, 0, -1}, kInfinite}, through{{0, 0, 1}, 0, {0, 0, -1}, kInfinite}, none{{0, 0, 1}, 0, {0, 0, 0}, kInfinite};
+  // A tree: 16 bytes for its reach. A step: 64 of the node, and the 4 of the child that is next, as each time that something
+  // comes off the stack.
+  struct Row { CasterRay ray; double nodes, triangles; };
+  for (const Row& row : {Row{none, 0, 0}, {aside, 16 + 64 + 4, 0}, {through, 2 * (16 + 64) + 4 * 4, 48}}) {
+    ASSERT_TRUE(caster.value()->SetRays(std::vector<CasterRay>{row.ray, row.ray}).ok());
+    auto bytes = caster.value()->CountBytes();
+    ASSERT_TRUE(bytes) << bytes.error().message;
+    EXPECT_EQ(bytes->nodes, row.nodes);
+    EXPECT_EQ(bytes->triangles, row.triangles);
+  }
+  EXPECT_EQ(caster.value()->Hits().value()[1].t, 1.0f) << "the hits of a cast are left";
 }
 
 TEST(RayCaster, RaysOfNoLengthEndAtOnceWhateverTheSignOfZero) {
