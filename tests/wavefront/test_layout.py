@@ -156,7 +156,7 @@ def test_queues_fit_their_place_in_the_counters():
     assert max([last, *(at + 1 for at in others)]) <= c["kBucketBase"]
     assert c["kQueuePeak"] < c["kQueueStride"] and c["kBucketItemsHi"] < c["kBucketStride"]
     # Indirect arguments start at multiples of four bytes and do not overlap their neighbours.
-    assert c["kQueueArgs"] + 3 <= c["kQueueItemsLo"] and c["kBucketArgs"] + 3 <= c["kBucketCursor"]
+    assert c["kQueueArgs"] + 3 <= c["kQueueItemsLo"] and c["kBucketArgs"] + 3 <= c["kBucketItemsLo"]
     flags = [c[k] for k in c if k.startswith("kError") and k != "kErrorFlags"]
     assert all(f & (f - 1) == 0 for f in flags) and len(set(flags)) == len(flags)
 
