@@ -225,6 +225,19 @@ def test_sweep_scenes(kind: str, numbers: dict[str, int], triangles: int, tmp_pa
         assert scene.materials == numbers["count"] and len(networks) == numbers["topologies"]
 
 
+def test_operations_are_octaves_of_noise(tmp_path: Path) -> None:
+    from pxr import Usd
+
+    octaves = {}
+    for operations in (100, 400, 1000, 4000):
+        scene = sweep_scene(str(tmp_path), kind="materials", count=1, topologies=1, operations=operations)
+        stage = Usd.Stage.Open(scene.path)
+        octaves[operations] = [
+            p.GetAttribute("inputs:octaves").Get() for p in stage.TraverseAll() if p.HasAttribute("inputs:octaves")
+        ]
+    assert octaves == {100: [1], 400: [3], 1000: [8], 4000: [32]}
+
+
 def test_a_worker_is_ended_when_its_time_is_over(monkeypatch: pytest.MonkeyPatch) -> None:
     """What it said until then is kept."""
     script = 'import time; print(\'{"event": "compared", "identical": true}\', flush=True); time.sleep(600)'
