@@ -75,7 +75,8 @@ LightData LightOf(const nb::dict& from) {
       TimeSample<Matrix4d> sample;
       for (int i = 0; i < 16; ++i) sample.value.m[i / 4][i % 4] = m[static_cast<std::size_t>(i)];
       light.transforms = {sample};
-    } else if (name == "radiance") light.radiance = Triple(value);
+    } else if (name == "castsShadows") light.castsShadows = nb::cast<bool>(value);
+    else if (name == "radiance") light.radiance = Triple(value);
     else if (name == "focusTint") light.focusTint = Triple(value);
     else if (name == "width") light.width = nb::cast<float>(value);
     else if (name == "height") light.height = nb::cast<float>(value);
@@ -160,7 +161,7 @@ nb::dict SceneTables(const std::vector<nb::dict>& lights, const std::vector<std:
     triangles.push_back({instance, records, areas, points, 0});
   }
   const LightSampling sampling = lightSampling == "tree" ? LightSampling::Tree : lightSampling == "power" ? LightSampling::Power : LightSampling::Auto;
-  const LightTable table = BuildLightTable(std::move(all), triangles, store, {}, sceneRadius, sampling, sink);
+  const LightTable table = BuildLightTable(std::move(all), triangles, store, {}, sceneRadius, sampling, true, sink);
   nb::list shapes;
   for (const LightShape& s : table.shapes) {
     std::vector<double> m;

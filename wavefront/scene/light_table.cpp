@@ -270,7 +270,7 @@ bool WriteItems(const std::vector<Group>& groups, std::vector<EmissiveTriangles>
 }  // namespace
 
 LightTable BuildLightTable(std::vector<LightData> lights, std::vector<EmissiveTriangles>& emissive, TextureStore& textures,
-                           const Double3& origin, double sceneRadius, LightSampling sampling, const DiagnosticSink& sink) {
+                           const Double3& origin, double sceneRadius, LightSampling sampling, bool shadows, const DiagnosticSink& sink) {
   LightTable table;
   std::stable_sort(lights.begin(), lights.end(), [](const LightData& a, const LightData& b) {
     return IsInfinite(a.type) != IsInfinite(b.type) ? IsInfinite(a.type) : a.path < b.path;
@@ -306,7 +306,8 @@ LightTable BuildLightTable(std::vector<LightData> lights, std::vector<EmissiveTr
           power *= AppendDomeMap(image.value(), &domeMaps);
         }
       }
-      power *= 4 * kPi * kPi * radius * radius;
+      const bool picked = distribution != layout::kNoStream || !light.castsShadows || !shadows;
+      power *= picked ? 4 * kPi * kPi * radius * radius : 0;
     } else if (light.type == LightType::Distant) {
       // A parallel light is a cone too small to see that carries the same irradiance.
       halfAngle = 0.5 * light.angle;
@@ -365,7 +366,8 @@ LightTable BuildLightTable(std::vector<LightData> lights, std::vector<EmissiveTr
   }
 
   if (!WriteItems(groups, emissive, sampling, &table)) {
-    // Nothing shines: items stay, so that indices hold, but none is ever picked.
+    // Nothing is to be picked. Bounce rays ask for the chances of the lights that they find: none.
+    table.items.assign(4 * std::size_t{table.lightCount}, 0u);
     for (EmissiveTriangles& e : emissive) e.itemBase = layout::kNoLight;
     for (uint32_t l = 0; l < table.lightCount; ++l) table.records[l * layout::kLightTexels + 9].w = std::bit_cast<float>(layout::kNoStream);
     return table;

@@ -46,8 +46,10 @@ struct LightTable {
 // Lights are ordered infinite first, then by path. `sceneRadius` weighs distant and dome lights against area lights.
 // Lights that cannot shine (singular transform, no area, not finite) give a diagnostic and are left out.
 // A light tree is built as `sampling` says; Auto: where more than kHandfulOfLights items at finite places shine.
+// A dome of one colour is never picked: bounce rays find it wherever they go, and prefer directions that matter to the
+// surface. Light that throws no shadows (a light's own wish, or not `shadows`) bounce rays do not count, so it is picked.
 constexpr std::size_t kHandfulOfLights = 8;
 LightTable BuildLightTable(std::vector<LightData> lights, std::vector<EmissiveTriangles>& emissive, TextureStore& textures,
-                           const Double3& origin, double sceneRadius, LightSampling sampling, const DiagnosticSink& sink);
+                           const Double3& origin, double sceneRadius, LightSampling sampling, bool shadows, const DiagnosticSink& sink);
 
 }  // namespace wavefront

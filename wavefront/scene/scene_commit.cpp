@@ -144,11 +144,12 @@ void SceneStore::SetPrimvarAovs(std::vector<std::string> names) {
   primvarAovs_ = std::move(names);
 }
 
-void SceneStore::SetLightSampling(LightSampling sampling) {
+void SceneStore::SetLightSampling(LightSampling sampling, bool shadows) {
   std::lock_guard lock(mutex_);
-  if (sampling == lightSampling_) return;
+  if (sampling == lightSampling_ && shadows == shadows_) return;
   lightsDirty_ = true;
   lightSampling_ = sampling;
+  shadows_ = shadows;
 }
 
 Status SceneStore::Commit(uint32_t threads, bool interactive, const DiagnosticSink& sink, const GeometryStore::Displace& displace, const std::function<void()>& used,
@@ -237,7 +238,7 @@ Status SceneStore::RebuildInstances(uint32_t threads, bool interactive, const Di
   if (Status s = GatherEmission(b); !s) return s;
   std::vector<LightData> lights;
   for (const auto& [id, light] : lights_) lights.push_back(light);
-  b.lights = BuildLightTable(std::move(lights), b.emissive, textures, facts_.origin, facts_.sceneRadius, lightSampling_, sink);
+  b.lights = BuildLightTable(std::move(lights), b.emissive, textures, facts_.origin, facts_.sceneRadius, lightSampling_, shadows_, sink);
   WriteMeshInstances(b, threads, sink);
   WriteLightShapes(b);
   MakeInstanceTree(b, threads, interactive);

@@ -36,7 +36,7 @@ class SceneStore {
   LightId CreateLight(LightData light);
   void SetLight(LightId id, LightData light);
   void DestroyLight(LightId id);
-  void SetLightSampling(LightSampling sampling);
+  void SetLightSampling(LightSampling sampling, bool shadows);
   void SetPrimvarAovs(std::vector<std::string> names);  // bindings hold their descriptors, too
 
   GeometryStore geometry;
@@ -83,6 +83,7 @@ class SceneStore {
   LightId nextLight_ = 0;
   bool instancesDirty_ = true, lightsDirty_ = true;
   LightSampling lightSampling_ = LightSampling::Auto;
+  bool shadows_ = true;
   std::vector<std::string> primvarAovs_;
 
   Stream instances_, bindings_, lightRecords_, lightItems_, lightDistribution_;

@@ -98,7 +98,7 @@ void RendererImpl::SetRenderSettings(const RenderSettings& settings) {
   stagedSettings_ = settings;
   settingsDirty_ = true;
   scene_->SetPrimvarAovs(settings.primvarAovs);
-  scene_->SetLightSampling(settings.lightSampling);
+  scene_->SetLightSampling(settings.lightSampling, settings.shadows);
 }
 
 Status RendererImpl::Commit() {

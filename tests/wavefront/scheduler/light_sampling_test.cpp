@@ -83,5 +83,41 @@ TEST(LightSampling, TheSettingRebuildsWhatItNeeds) {
   EXPECT_EQ(HashFilm(world.Render()), tree);
 }
 
+// A wall that reflects half, under a sky of 1: bounce rays find the sky, and nothing is picked. Light without shadows is not
+// counted by bounce rays, so there it is: by the light's own wish, and by the setting, which may change.
+TEST(LightSampling, ASkyOfOneColourIsFoundByBounceRays) {
+  World world;
+  const MaterialId wall = world.Material(MakeMaterial("lambert", {0.25f, 0.5f, 0.75f}));
+  world.Instance("/wall", world.renderer->CreateMesh(Box()), wall, {Scaled(20, 20, 0.1, 0, 0, -2)});
+  LightData sky;
+  sky.path = "/sky";
+  sky.type = LightType::Dome;
+  sky.transforms = {{0, Matrix4d{}}};
+  const LightId id = world.renderer->CreateLight(sky);
+  world.settings.samples = 64;
+  const auto mean = [&] { return MeanColor(world.Render(), 1); };
+  EXPECT_NEAR(mean(), 0.5, 1e-4);
+  EXPECT_EQ(world.renderer->stats().shadowRays, 0u);
+  world.settings.shadows = false;
+  EXPECT_NEAR(mean(), 0.5, 0.01);
+  world.settings.shadows = true;
+  EXPECT_NEAR(mean(), 0.5, 1e-4);
+  sky.castsShadows = false;
+  world.renderer->SetLight(id, sky);
+  EXPECT_NEAR(mean(), 0.5, 0.01);
+  // Beside another light all picks are that one's.
+  sky.castsShadows = true;
+  world.renderer->SetLight(id, sky);
+  LightData sun;
+  sun.path = "/sun";
+  sun.type = LightType::Distant;
+  sun.angle = 0.01f;
+  sun.transforms = {{0, Matrix4d{}}};  // shines along -Z, at the wall
+  sun.radiance = {1000, 1000, 1000};
+  world.renderer->CreateLight(sun);
+  const double solidAngle = 2 * 3.14159265 * (1 - std::cos(0.005));
+  EXPECT_NEAR(mean(), 0.5 + 0.5 / 3.14159265 * 1000 * solidAngle, 1e-3);
+}
+
 }  // namespace
 }  // namespace wavefront
