@@ -205,6 +205,7 @@ def test_a_step_has_the_median_of_its_turns() -> None:
         ("lights", {"count": 7}, 1024 * 100 + 2),
         ("materials", {"count": 20, "topologies": 5, "operations": 400}, 1024 * 100),
         ("materials", {"count": 200, "topologies": 200, "operations": 100}, 1024 * 100),
+        ("materials", {"count": 20, "topologies": 1, "operations": 100, "texture": 8}, 1024 * 100),
     ],
 )
 def test_sweep_scenes(kind: str, numbers: dict[str, int], triangles: int, tmp_path: Path) -> None:
@@ -223,6 +224,11 @@ def test_sweep_scenes(kind: str, numbers: dict[str, int], triangles: int, tmp_pa
             if p.IsA(UsdShade.Material)
         }
         assert scene.materials == numbers["count"] and len(networks) == numbers["topologies"]
+        # A texture for each, all different, found from where the stage is.
+        files = {
+            p.GetAttribute("inputs:file").Get().resolvedPath for p in stage.Traverse() if p.HasAttribute("inputs:file")
+        }
+        assert len({Path(f).read_bytes() for f in files}) == (20 if "texture" in numbers else 0)
 
 
 def test_operations_are_octaves_of_noise(tmp_path: Path) -> None:

@@ -57,19 +57,25 @@ def _steps_of(kind: str, counts: Sequence[int], host_bytes: float) -> Callable[[
 _MOST_TOPOLOGIES = 100
 
 
+_TEXTURE_SIDE = 64  # texels of each material's own texture
+
+
 def _material_steps(quick: bool, device: str) -> list[Step]:
-    rows: list[tuple[int, int, int]] = [(1, 1, 400), (16, 1, 400), (1000, 1, 400), (4, 4, 400)]
+    rows: list[tuple[int, ...]] = [(1, 1, 400), (16, 1, 400), (1000, 1, 400), (4, 4, 400)]
     if not quick:
+        rows += [(1, 1, 400, _TEXTURE_SIDE), (1000, 1, 400, _TEXTURE_SIDE)]
         rows += [(16, 16, 400), (100, 100, 400), (1000, 100, 400), (1000, 1000, 400)]
         rows += [(16, 16, 100), (16, 16, 1000), (16, 16, 4000)]
     steps = []
-    for count, topologies, operations in rows:
+    for count, topologies, operations, *texture in rows:
         modes = ("wavefront", "megakernel") if topologies <= 16 else ("wavefront",)
         sweep = {"kind": "materials", "count": count, "topologies": topologies, "operations": operations}
+        if texture:
+            sweep["texture"] = texture[0]
         too_many = f"more than {_MOST_TOPOLOGIES} distinct topologies" if topologies > _MOST_TOPOLOGIES else ""
         steps.append(
             Step(
-                f"{count} x {operations}, {topologies} distinct",
+                f"{count} x {operations}, {topologies} distinct{', textured' if texture else ''}",
                 _task(device, modes, sweep=sweep),
                 2 + topologies,
                 not_on_a_processor=too_many,

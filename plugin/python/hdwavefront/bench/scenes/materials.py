@@ -25,6 +25,13 @@ class Vector:
 
 
 @dataclass(frozen=True)
+class File:
+    """The path of an image."""
+
+    path: str
+
+
+@dataclass(frozen=True)
 class Output:
     """An output of a node, to be connected to inputs of others."""
 
@@ -32,7 +39,7 @@ class Output:
     type: str
 
 
-Value = float | int | bool | str | tuple[float, ...] | Vector | Output
+Value = float | int | bool | str | tuple[float, ...] | Vector | File | Output
 
 
 def _sdf_type(kind: str) -> Any:
@@ -46,13 +53,16 @@ def _sdf_type(kind: str) -> Any:
         "color3": Sdf.ValueTypeNames.Color3f,
         "vector3": Sdf.ValueTypeNames.Float3,
         "vector2": Sdf.ValueTypeNames.Float2,
+        "filename": Sdf.ValueTypeNames.Asset,
     }
     return names.get(kind, Sdf.ValueTypeNames.Token)
 
 
 def _typed(value: Any) -> tuple[str, Any]:
-    from pxr import Gf
+    from pxr import Gf, Sdf
 
+    if isinstance(value, File):
+        return "filename", Sdf.AssetPath(value.path)
     if isinstance(value, bool):
         return "boolean", value
     if isinstance(value, int):

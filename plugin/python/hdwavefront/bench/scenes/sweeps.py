@@ -5,12 +5,13 @@
 from __future__ import annotations
 
 import colorsys
+import os
 from collections.abc import Callable
 
 import numpy as np
 
 from .builder import Builder, NetworkMaker, Scene
-from .materials import Network, Output
+from .materials import File, Network, Output
 from .shapes import Array, Mesh, ellipsoid, merge, quad, surface
 
 # Arithmetic operations of one octave of MaterialX's fractal3d, as counted in its GLSL: eight gradients and their mix.
@@ -37,15 +38,30 @@ def _grey(n: Network) -> None:
     n.surface(n.node("surface", bsdf=n.node("oren_nayar_diffuse_bsdf", color=(0.5, 0.5, 0.5), roughness=0.0)))
 
 
-def _material(number: int, topology: int, octaves: int) -> NetworkMaker:
-    """Fractal noise, of so many octaves, through operations that the bits of `topology` choose."""
+def _write_texture(folder: str, number: int, side: int) -> str:
+    """An image of its own for each number. Gives its name, which is relative to the stage."""
+    from ...image_io.writer import write_display
+
+    name = f"texture{number}.png"
+    rgba = np.random.default_rng(number).random((side, side, 4), np.float32)
+    write_display(os.path.join(folder, name), rgba, {})
+    return f"./{name}"
+
+
+def _material(number: int, topology: int, octaves: int, texture: str = "") -> NetworkMaker:
+    """Fractal noise, of so many octaves, through operations that the bits of `topology` choose, between two colours.
+    The brighter one is the texture's where there is one."""
 
     def make(n: Network) -> None:
         value: Output = n.fractal(n.position(1.5 + 0.01 * (number % 97), space="world"), octaves=octaves)
         for bit in range(_CHOICES):
             value = n.node("multiply_float" if topology >> bit & 1 else "min_float", in1=value, in2=1.0 - 0.01 * bit)
         hue = (0.381966 * number) % 1.0
-        low, high = colorsys.hsv_to_rgb(hue, 0.7, 0.25), colorsys.hsv_to_rgb(hue, 0.5, 0.8)
+        low: tuple[float, ...] = colorsys.hsv_to_rgb(hue, 0.7, 0.25)
+        high: tuple[float, ...] | Output = colorsys.hsv_to_rgb(hue, 0.5, 0.8)
+        if texture:
+            place = n.node("convert_vector3_vector2", in_=n.position(1.0))
+            high = n.node("image_color3", file=File(texture), texcoord=place)
         n.standard_surface(
             base_color=n.mixed(low, high, value), specular_roughness=0.15 + 0.5 * ((number * 0.618) % 1.0)
         )
@@ -53,17 +69,19 @@ def _material(number: int, topology: int, octaves: int) -> NetworkMaker:
     return make
 
 
-def materials(folder: str, count: int, topologies: int, operations: int) -> Scene:
-    """1024 bodies of `count` materials in turn, of so many topologies, of about so many operations each."""
+def materials(folder: str, count: int, topologies: int, operations: int, texture: int = 0) -> Scene:
+    """1024 bodies of `count` materials in turn, of so many topologies, of about so many operations each. `texture`:
+    texels a side of the texture that each material has for itself; 0: none."""
     if topologies > min(count, MAX_TOPOLOGIES):
         raise ValueError(f"{count} materials cannot have {topologies} topologies")
-    b = Builder(f"materials-{count}-{topologies}-{operations}", folder)
+    b = Builder(f"materials-{count}-{topologies}-{operations}-{texture}", folder)
     octaves = max(1, round(operations / OPERATIONS_PER_OCTAVE))
     places, radii = _field()
     ball = ellipsoid((1, 1, 1), 6, 10)
     # A stride that has no common divisor with the number of bodies: neighbours differ.
     owner = (np.arange(len(places)) * 397) % len(places) % count
-    paths = [b.material(f"m{i}", _material(i, i % topologies, octaves)) for i in range(count)]
+    files = [_write_texture(folder, i, texture) if texture else "" for i in range(count)]
+    paths = [b.material(f"m{i}", _material(i, i % topologies, octaves, files[i])) for i in range(count)]
     # A mesh for each body, so that rays meet the same geometry whatever the count.
     for k, i in enumerate(owner):
         b.mesh(f"Bodies/b{k}", ball.scaled([radii[k]] * 3).moved(places[k]), paths[i])
