@@ -405,9 +405,6 @@ Status PathTracer::Step(const DiagnosticSink& sink, Progress* progress) {
   }
   InFlight& slot = inFlight_[nextSlot_];
   if (Status s = Collect(nextSlot_); !s) return s;
-  if (interactive_) {
-    if (Status s = Collect((nextSlot_ + 1) % kSlots); !s) return s;
-  }
   if (status_.drained) {
     if (batchEnd_ >= settings_.firstSample + settings_.samples) {
       if (Status s = Drain(); !s) return s;
@@ -455,8 +452,10 @@ Status PathTracer::Step(const DiagnosticSink& sink, Progress* progress) {
   slot.value = value.value();
   ++submits_;
   ++costSubmits_;
+  const std::size_t submitted = nextSlot_;
   nextSlot_ = (nextSlot_ + 1) % kSlots;
-  return {};
+  // Nothing is queued ahead of an edit: it waits for this iteration and for no other.
+  return interactive_ ? Collect(submitted) : Status();
 }
 
 Status PathTracer::Collect(std::size_t index) {

@@ -58,7 +58,7 @@ class PathTracer {
 
   // Sizes pool and film for the settings, binds the scene, orders missing pipelines. Nothing may be in flight.
   Status Configure(const RenderSettings& settings, const CameraData& camera, SceneStore& scene, unsigned threads, const DiagnosticSink& sink);
-  // Interactive: one iteration per submit and two submits in flight, so that an edit waits for little; what meets a
+  // Interactive: one iteration per submit and one submit in flight, so that an edit waits for little; what meets a
   // material whose kernel is still being compiled is shaded by a neutral one. Else as many iterations as hide the cost of
   // a submit, and such paths are held.
   void SetInteractive(bool interactive) { interactive_ = interactive; }

@@ -267,6 +267,28 @@ TEST(Scheduler, InteractiveSubmitsOneIterationAtATimeAndChangesNothing) {
   EXPECT_EQ(after.submits - before.submits, after.iterations);
 }
 
+// Whenever one looks, all that was submitted is done: an edit waits for the iteration that runs, and for none behind it.
+TEST(Scheduler, InteractiveQueuesNothingAhead) {
+  World world;
+  world.AddMixedScene();
+  world.settings.poolSize = 256;
+  world.Render();  // kernels are there
+  world.settings.interactive = true;
+  world.settings.seed = 1;
+  world.settings.samples = 64;
+  ASSERT_TRUE(world.Commit().ok());
+  const uint64_t before = world.renderer->stats().submits;
+  ASSERT_TRUE(world.renderer->Start().ok());
+  int looks = 0;
+  for (uint64_t last = 0; !world.renderer->IsConverged();) {
+    const RenderStats now = world.renderer->stats();
+    ASSERT_EQ(now.submits - before, now.iterations);
+    looks += now.iterations != last;
+    last = now.iterations;
+  }
+  EXPECT_GT(looks, 4);
+}
+
 TEST(Scheduler, ARenderBeginsWithShortSubmitsWhateverTheLastOneEndedWith) {
   World world;
   const MeshId box = world.renderer->CreateMesh(Box());
