@@ -7,6 +7,7 @@
 
 #include "wavefront/base/check.h"
 #include "wavefront/scene/transforms.h"
+#include "wavefront/scheduler/pool_size.h"
 #include "wavefront/shared/counters_layout.h"
 
 namespace wavefront {
@@ -34,13 +35,6 @@ static_assert(kPathChunks <= 16, "512K paths must fit one storage-buffer binding
 #define WAVEFRONT_PATH_CHUNK(Name, index, doc) constexpr uint32_t kChunk##Name [[maybe_unused]] = index;
 #include "wavefront/shared/path_state.def"
 #undef WAVEFRONT_PATH_CHUNK
-
-uint32_t DefaultPool(const vulkan::DeviceInfo& info, ExecutionMode mode) {
-  // The megakernel needs no more paths than keep the device busy; fewer make shorter dispatches and stay in the cache.
-  if (mode == ExecutionMode::Megakernel) return info.type == vulkan::DeviceType::Cpu ? 4096u : 1u << 18;
-  // Below 8K paths software Vulkan loses to dispatch costs, 32K-128K is flat; a GPU wants about a million.
-  return info.type == vulkan::DeviceType::Cpu ? 65536u : 1u << 20;
-}
 
 }  // namespace
 
@@ -84,7 +78,8 @@ Status PathTracer::Configure(const RenderSettings& settings, const CameraData& c
 
   const uint64_t range = device_.info().limits.maxStorageBufferRange;
   const uint64_t poolLimit = std::min<uint64_t>(range / (16 * kPathChunks), device_.info().limits.maxTexelBufferElements / kPathChunks);
-  const uint64_t wanted = settings.poolSize != 0 ? settings.poolSize : DefaultPool(device_.info(), mode_);
+  const uint64_t wanted = settings.poolSize != 0 ? settings.poolSize
+                                                 : DefaultPoolSize(device_.info().type, mode_, scene.materials.buckets().size(), settings.interactive);
   poolSize_ = static_cast<uint32_t>(std::clamp<uint64_t>(wanted, 64, poolLimit));
   // No more paths than there is work: a small image needs no big pool.
   const uint64_t work = static_cast<uint64_t>(settings.width) * settings.height * settings.samples;
