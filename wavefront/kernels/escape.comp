@@ -5,7 +5,7 @@
 // against the light sample that could have found it, and ends the path. Only the camera sees lights as bodies: they throw
 // no shadows, so other rays go on behind them (light samples and bounces must see the same scene, or MIS is biased).
 // Reads: Ids, Hit, HitDistance, RayOrigin, RayDirection, Throughput, Radiance, Cone.
-// Writes: film, Ids; of rays that go on: Radiance, RayOrigin, HitDistance. Pushes to: extension rays.
+// Writes: film, Ids; of rays that go on: Radiance, RayOrigin. Pushes to: extension rays.
 // Runs after: scan_buckets, before new_path.
 #extension GL_GOOGLE_include_directive : require
 #include "lib/bindings.glsl"
@@ -58,7 +58,8 @@ void main() {
   if (!queuePath(kQueueEscape, path)) return;
   uvec4 ids = loadPath(kChunkIds, path);
   uvec4 hit = loadPath(kChunkHit, path);
-  uvec4 extra = loadPath(kChunkHitDistance, path);
+  uint t = loadPathWord(kChunkHitDistance, path, 0u);
+  uint events = pathEvents(path);
   vec4 throughput = uintBitsToFloat(loadPath(kChunkThroughput, path));
   vec4 origin = uintBitsToFloat(loadPath(kChunkRayOrigin, path));
   vec3 direction = uintBitsToFloat(loadPath(kChunkRayDirection, path)).xyz;
@@ -67,15 +68,14 @@ void main() {
   uvec4 cone = loadPath(kChunkCone, path);
   float spread = uintBitsToFloat(cone.x);
   if (!kHasLightShapes || hit.x == 0xffffffffu) {
-    if (kHasInfiniteLights) radiance = addMiss(radiance, alpha, throughput.rgb, direction, throughput.a, spread, cone.w);
+    if (kHasInfiniteLights) radiance = addMiss(radiance, alpha, throughput.rgb, direction, throughput.a, spread, events);
   } else {
-    float t = uintBitsToFloat(extra.x);
-    radiance = addShape(radiance, throughput.rgb, hit.x, origin.xyz, direction, t, uintBitsToFloat(extra.w) + spread * t, throughput.a, cone.w);
+    float distance = uintBitsToFloat(t);
+    radiance = addShape(radiance, throughput.rgb, hit.x, origin.xyz, direction, distance, uintBitsToFloat(cone.w) + spread * distance, throughput.a, events);
   }
   if (kHasLightShapes && hit.x != 0xffffffffu && pathBounce(ids.w) != 0u) {
-    storePathF(kChunkRadiance, path, vec4(radiance, 0.0));
-    storePathWord(kChunkRayOrigin, path, 3u, extra.x);
-    storePath(kChunkHitDistance, path, uvec4(2u, hit.xy, extra.w));
+    storePathRgb(kChunkRadiance, path, radiance);
+    storePathWord(kChunkRayOrigin, path, 3u, t);
     pushExtensionRay(path);
     return;
   }

@@ -7,7 +7,8 @@
 // shadow_ray and escape here: software Vulkan runs every branch for every path, so what only some paths need is worth a
 // queue of its own, and nothing is to be read for them here.
 // Paths that scatter inside of a body, or are on a random walk below a surface, go to queues of their own.
-// Reads: Ids, Hit, HitDistance, Throughput, RayOrigin, Medium, Walk; Radiance where the path ends.
+// Reads: Ids, Hit, HitDistance, Throughput, RayOrigin, Medium, Walk; Radiance where the path ends; what waits for
+// its opacity or emission kernel: ShadowOrigin, ShadowContribution, Cone.
 // Writes: Ids, Throughput, film.
 // Pushes to: light samples, escapes, medium scatters, walks and their exits, and the path's bucket (key and count;
 // scan_buckets and scatter make the queue).
@@ -36,9 +37,11 @@ void main() {
     bool ended = (ids.w & kFlagEnd) != 0u;
     bool escaped = false, behindLight = false;
     uint queue = kNoQueue;  // beside the light sample's
+    bool wantsLight = false;
+    vec3 throughput = vec3(0.0);
     if (!ended) {
       uvec4 hit = loadPath(kChunkHit, path);
-      vec4 throughput = uintBitsToFloat(loadPath(kChunkThroughput, path));
+      throughput = uintBitsToFloat(loadPath(kChunkThroughput, path).rgb);
       uint bounce = pathBounce(ids.w);
       bool missed = hit.x == 0xffffffffu, walks = kHasScatteringMedia && (ids.w & kFlagSubsurface) != 0u;
       // Inside of a body that scatters a ray ends after a free flight: a miss is a scattering event.
@@ -48,9 +51,9 @@ void main() {
       escaped = missed && !scatters;
       if (!escaped) {
         if (kHasBodies) {
-          float t = uintBitsToFloat(loadPath(kChunkHitDistance, path).x);
-          float from = max(0.0, uintBitsToFloat(loadPath(kChunkRayOrigin, path).w));
-          throughput.rgb *= mediumWeight(medium, throughput.rgb, max(0.0, t - from), scatters);
+          float t = uintBitsToFloat(loadPathWord(kChunkHitDistance, path, 0u));
+          float from = max(0.0, uintBitsToFloat(loadPathWord(kChunkRayOrigin, path, 3u)));
+          throughput *= mediumWeight(medium, throughput, max(0.0, t - from), scatters);
         }
         if (bounce == 0u) ids.w |= kFlagCovered;
       }
@@ -81,19 +84,18 @@ void main() {
         if (!last && bounce >= frame.rouletteBounce) {
           float survive = clamp(max(throughput.r, max(throughput.g, throughput.b)), 0.05, 1.0);
           if (samplePass(ids.z ^ 0x2545f491u, ids.y, bounce, pathPasses(ids.w)) >= survive) ended = true;
-          throughput.rgb /= survive;
+          throughput /= survive;
         }
       }
-      if (!ended) {
-        if ((onSurface || exits) && !last && frame.lightItemCount != 0u) pushQueue(kQueueLightSample, path);
-        storePathF(kChunkThroughput, path, throughput);
-      }
+      wantsLight = (onSurface || exits) && !last && frame.lightItemCount != 0u;
     }
     if (ended) {
       filmAddSample(ids.x, uintBitsToFloat(loadPath(kChunkRadiance, path)).rgb, pathAlpha(ids.w));
       ids.w = kPhaseIdle;
       key = kBucketNewPath;
     } else {
+      storePathRgb(kChunkThroughput, path, throughput);
+      if (wantsLight) pushQueue(kQueueLightSample, path);
       // The escape kernel ends the path before new_path takes its place; or sends the ray on behind a light, which only
       // the camera sees as a body: the path then stands in no bucket. Nor do the paths of the other queues.
       if (queue == kQueueEscape) pushQueue(kQueueEscape, path);
@@ -106,12 +108,13 @@ void main() {
     }
   } else if (phase == kPhaseHeld || phase == kPhaseOpacity) {
     bool held = phase == kPhaseHeld;
-    uvec4 hit = loadPath(held ? kChunkHit : kChunkShadowHit, path);
-    uvec4 buckets = hitBuckets(hit.x, hit.y);
+    uint instance = held ? loadPathWord(kChunkHit, path, 0u) : loadPathWord(kChunkShadowOrigin, path, 3u) & ~kShadowPassed;
+    uint triangle = held ? loadPathWord(kChunkHit, path, 1u) : loadPathWord(kChunkShadowContribution, path, 3u);
+    uvec4 buckets = hitBuckets(instance, triangle);
     key = held ? buckets.x : buckets.y;
     if (held) ids.w = withPhase(ids.w, kPhaseReady);
   } else {
-    uvec4 item = texelFetch(lightItems, int(loadPath(kChunkShadowContribution, path).w));
+    uvec4 item = texelFetch(lightItems, int(loadPathWord(kChunkCone, path, 2u)));
     key = hitBuckets(item.x, item.y).z;
   }
   // A bucket without a kernel holds its paths: they wait here, whatever iteration it comes in, and the picture cannot

@@ -23,7 +23,7 @@ void main() {
   uvec4 medium = loadPath(kChunkMedium, path);
   uvec4 cone = loadPath(kChunkCone, path);
   float spread = uintBitsToFloat(cone.x);
-  uvec4 extra = loadPath(kChunkHitDistance, path);
+  float t = uintBitsToFloat(loadPathWord(kChunkHitDistance, path, 0u));
   uint before = loadPath(kChunkWalk, path).x, bounce = pathBounce(ids.w);
   vec2 flight = sample2D(ids.z, ids.y, mediumPair(bounce, before + 1u, kMediumFlight));
   vec3 direction;
@@ -45,7 +45,7 @@ void main() {
     uint flags = record.y != kNoLight ? kLightFlagShadows : floatBitsToUint(lightTexel(record.x, 0u)).y;
     float towards = phaseEval(g, dot(direction, light.direction));
     vec4 value = vec4(towards * mediumTransmittance(medium, light.distance), towards);
-    castShadowRay(path, p, p, uvec4(0xffffffffu), throughput,
+    castShadowRay(path, p, p, uvec2(0xffffffffu), throughput,
                   vec4(light.direction, castsShadow(flags) ? light.distance : -light.distance), vec4(radiance, light.pdf), item, value);
     cone.z = item;
   }
@@ -53,9 +53,8 @@ void main() {
 
   storePathF(kChunkRayOrigin, path, vec4(p, 0.0));
   storePathF(kChunkRayDirection, path, vec4(wi, mediumFlight(medium, throughput, flight.x)));
-  storePath(kChunkHitDistance, path, uvec4(2u, 0xffffffffu, 0xffffffffu, floatBitsToUint(uintBitsToFloat(extra.w) + spread * uintBitsToFloat(extra.x))));
   storePathF(kChunkThroughput, path, vec4(throughput, pdf));
-  storePath(kChunkCone, path, uvec4(floatBitsToUint(min(spread + 0.125 * inversesqrt(pdf), 0.25)), cone.yzw));
+  storePath(kChunkCone, path, uvec4(floatBitsToUint(min(spread + 0.125 * inversesqrt(pdf), 0.25)), cone.yz, floatBitsToUint(uintBitsToFloat(cone.w) + spread * t)));
   storePath(kChunkWalk, path, uvec4(event, lightPair, 0u, 0u));
   storePath(kChunkIds, path, ids);
   pushExtensionRay(path);

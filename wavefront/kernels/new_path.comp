@@ -8,6 +8,7 @@
 #include "lib/path_state.glsl"
 #include "lib/queue.glsl"
 #include "lib/features.glsl"
+#include "lib/contribute.glsl"
 #include "lib/sampler.glsl"
 #include "lib/camera.glsl"
 layout(local_size_x = 64) in;
@@ -31,14 +32,16 @@ void main() {
 
   storePathF(kChunkRayOrigin, path, vec4(origin, tMin));
   storePathF(kChunkRayDirection, path, vec4(direction, tMax));
-  storePath(kChunkHitDistance, path, uvec4(1u, 0xffffffffu, 0xffffffffu, floatBitsToUint(frame.pixelWidth)));
+  storePathWord(kChunkHit, path, 0u, 0xffffffffu);
+  storePathWord(kChunkHit, path, 1u, kHitCamera);
   storePathF(kChunkThroughput, path, vec4(1.0, 1.0, 1.0, 0.0));
-  storePathF(kChunkRadiance, path, vec4(0.0));
+  storePathRgb(kChunkRadiance, path, vec3(0.0));
   storePath(kChunkIds, path, uvec4(pixel, sampleIndex, seed, kPhaseReady));
   if (kHasBodies) {
     storePath(kChunkMediaStack, path, uvec4(0u));
     storePath(kChunkMedium, path, uvec4(0u));
   }
-  storePathF(kChunkCone, path, vec4(frame.pixelSpread, time, 0.0, 0.0));
+  storePathF(kChunkCone, path, vec4(frame.pixelSpread, time, 0.0, frame.pixelWidth));
+  setPathEvents(path, 0u);
   pushExtensionRay(path);
 }

@@ -3,7 +3,7 @@
 // Copyright the hdWavefront authors
 // Subsurface exit kernel: a random walk came back to the surface of the body that it entered. It leaves as from a white
 // diffuse surface seen from inside, whatever the material is there: the body's colour is in the walk.
-// Reads: Ids, RayDirection, Hit, HitDistance, Throughput, LightSample, LightRadiance, MediaStack, Cone.
+// Reads: Ids, RayDirection, Hit, Throughput, LightSample, LightRadiance, MediaStack, Cone.
 // Writes: those of the next segment. Pushes to: extension rays, shadow rays. Runs after: light_sample.
 #extension GL_GOOGLE_include_directive : require
 #include "lib/bindings.glsl"
@@ -25,7 +25,6 @@ void main() {
   uvec4 ids = loadPath(kChunkIds, path);
   vec3 wo = -uintBitsToFloat(loadPath(kChunkRayDirection, path)).xyz;
   uvec4 hit = loadPath(kChunkHit, path);
-  uvec4 extra = loadPath(kChunkHitDistance, path);
   vec3 throughput = uintBitsToFloat(loadPath(kChunkThroughput, path)).rgb;
   uvec4 medium = mediumOf(mediumTop(loadPath(kChunkMediaStack, path), 0u));
   uvec4 cone = loadPath(kChunkCone, path);
@@ -42,7 +41,7 @@ void main() {
   vec4 lightRadiance = uintBitsToFloat(loadPath(kChunkLightRadiance, path));
   if (frame.lightItemCount == 0u) lightRadiance.a = 0.0;
   float towards = dot(light.xyz, ng) > 0.0 ? max(dot(light.xyz, n), 0.0) * kBsdfInvPi : 0.0;
-  castShadowRay(path, sp.positionWorld, offsetRayOrigin(sp.positionWorld, error, ng, light.xyz), hit, throughput, light,
+  castShadowRay(path, sp.positionWorld, offsetRayOrigin(sp.positionWorld, error, ng, light.xyz), hit.xy, throughput, light,
                 lightRadiance, cone.z,
                 vec4(towards * mediumTransmittance(medium, abs(light.w)), towards));
 
@@ -54,8 +53,8 @@ void main() {
   float flight = samplePass(ids.z ^ 0x6a09e667u, ids.y, bounce, 0u);
   storePathF(kChunkRayOrigin, path, vec4(offsetRayOrigin(sp.positionWorld, error, ng, wi), 0.0));
   storePathF(kChunkRayDirection, path, vec4(wi, mediumScatters(medium) ? mediumFlight(medium, throughput, flight) : 3.4e38));
-  storePath(kChunkHitDistance, path, uvec4(2u, hit.x, hit.y, extra.w));
   storePathF(kChunkThroughput, path, vec4(throughput, pdf));
-  storePath(kChunkCone, path, uvec4(floatBitsToUint(0.25), cone.yz, cone.w | kEventTransmission));
+  storePathWord(kChunkCone, path, 0u, floatBitsToUint(0.25));
+  setPathEvents(path, pathEvents(path) | kEventTransmission);
   pushExtensionRay(path);
 }

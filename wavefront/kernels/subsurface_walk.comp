@@ -18,9 +18,8 @@ void main() {
   vec3 throughput = uintBitsToFloat(loadPath(kChunkThroughput, path)).rgb;
   uvec4 medium = loadPath(kChunkMedium, path);
   uvec4 hit = loadPath(kChunkHit, path);
-  uvec4 extra = loadPath(kChunkHitDistance, path);
-  uvec4 walk = loadPath(kChunkWalk, path);
-  uint before = walk.x, bounce = pathBounce(ids.w);
+  uint t = loadPathWord(kChunkHitDistance, path, 0u);
+  uint before = loadPathWord(kChunkWalk, path, 0u), bounce = pathBounce(ids.w);
   vec2 flight = sample2D(ids.z, ids.y, mediumPair(bounce, kMediumWalkEvents + before + 1u, kMediumFlight));
   vec3 direction;
   vec3 p = mediumPoint(path, direction);
@@ -28,12 +27,11 @@ void main() {
   if (event == 0u) return;
 
   bool passes = hit.x != 0xffffffffu;
-  storePath(kChunkWalk, path, uvec4(event, walk.yzw));
+  storePathWord(kChunkWalk, path, 0u, event);
   storePathF(kChunkThroughput, path, vec4(throughput, 1.0));
-  storePath(kChunkHitDistance, path, passes ? uvec4(2u, hit.x, hit.y, extra.w) : uvec4(2u, 0xffffffffu, 0xffffffffu, extra.w));
   if (passes) {
     // The same flight, from behind that body.
-    storePath(kChunkRayOrigin, path, uvec4(loadPath(kChunkRayOrigin, path).xyz, extra.x));
+    storePathWord(kChunkRayOrigin, path, 3u, t);
   } else {
     vec3 wi = phaseSample(mediumAnisotropy(medium), direction, sample2D(ids.z, ids.y, mediumPair(bounce, kMediumWalkEvents + event, kMediumDirection)));
     storePathF(kChunkRayOrigin, path, vec4(p, 0.0));

@@ -95,7 +95,10 @@ bool Module::Read(std::span<const uint32_t> spirv) {
         function_->blocks.emplace_back();
         break;
       case kOpFunctionCall: block.calls.push_back(word(3)); break;
-      case kOpLoad: if (read_.count(word(3))) images_.insert(word(2)); break;
+      case kOpLoad:
+        if (read_.count(word(3))) images_.insert(word(2));
+        if (auto from = elements_.find(word(3)); from != elements_.end()) block.own.bytesRead += from->second;
+        break;
       case kOpImageFetch: block.own.bytesRead += images_.count(word(3)) ? kChunkBytes : 0; break;
       case kOpAccessChain: if (written_.count(word(3))) elements_[word(2)] = count > kChunkChain ? kWordBytes : kChunkBytes; break;
       case kOpStore: if (auto to = elements_.find(word(1)); to != elements_.end()) block.own.bytesWritten += to->second; break;

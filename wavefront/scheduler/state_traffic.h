@@ -10,7 +10,7 @@
 namespace wavefront {
 
 // Bytes of path state that an item reads and writes at most: those of the way through the code on which there are most,
-// also if few paths take it. A chunk has 16; where only a word of it is written, that word counts. A place in a loop counts
+// also if few paths take it. A chunk has 16; where only a word of it is read or written, that word counts. A place in a loop counts
 // once.
 struct StateTraffic { uint32_t bytesRead = 0, bytesWritten = 0; };
 

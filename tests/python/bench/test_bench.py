@@ -469,6 +469,7 @@ def test_wavefront_and_megakernel_are_measured_in_turns(tmp_path: Path, capfd: p
     )
     assert sum(scene["wavefront"]["share"].values()) == pytest.approx(1)
     # Every chunk of a path is 16 bytes, and every segment passes the logic kernel, a ray and a material or an end.
-    assert 100 < scene["wavefront"]["stateBytesPerSegment"] < 5000
+    # The goal of 500 is for the benchmark's scenes. Here hardly a path escapes, and all but a few hits cast a shadow ray.
+    assert 100 < scene["wavefront"]["stateBytesPerSegment"] <= 600
     assert result["machine"]["copyBytesPerSecond"] > 0 and result["machine"]["driver"] in out
     assert " yes |" in out and "ms per 1M segments" in out

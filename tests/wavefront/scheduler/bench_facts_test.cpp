@@ -20,7 +20,7 @@ void Add(std::vector<uint32_t>& module, uint32_t op, std::initializer_list<uint3
   module.insert(module.end(), operands);
 }
 
-// main (10) stores a word of one element and calls f (20) twice; f fetches one texel and stores one element. Variable 1 is
+// main (10) loads a word of one element, stores it and calls f (20) twice; f fetches one texel and stores one element. Variable 1 is
 // path state as it is written (binding 1), 2 as it is read (binding 2), 3 another storage buffer.
 std::vector<uint32_t> Module() {
   std::vector<uint32_t> m = {0x07230203, 0x00010300, 0, 100, 0};
@@ -42,7 +42,8 @@ std::vector<uint32_t> Module() {
   Add(m, 57, {90, 33, 20});
   Add(m, 57, {90, 34, 20});
   Add(m, 65, {93, 35, 1, 41, 40, 42});
-  Add(m, 62, {35, 30});
+  Add(m, 61, {92, 37, 35});
+  Add(m, 62, {35, 37});
   Add(m, 56, {});
   Add(m, 54, {90, 50, 0, 91});  // nobody calls it
   Add(m, 248, {62});
@@ -54,7 +55,7 @@ std::vector<uint32_t> Module() {
 
 TEST(StateTraffic, CountsPlacesThroughCalls) {
   const StateTraffic traffic = StateTrafficOf(Module());
-  EXPECT_EQ(traffic.bytesRead, 2u * 16);
+  EXPECT_EQ(traffic.bytesRead, 2u * 16 + 4);
   EXPECT_EQ(traffic.bytesWritten, 2u * 16 + 4);
 }
 

@@ -7,12 +7,21 @@
 #include "lib/bindings.glsl"
 #include "lib/path_state.glsl"
 
-// Events of a path so far (chunk Cone, last word).
+// Events of a path so far (chunk HitDistance, second word).
 const uint kEventReflection = 1u;
 const uint kEventTransmission = 2u;
 
 // Nothing is told apart yet: where events and light would be read for contribute() alone, they are not.
 const bool kTellsApart = false;
+
+uint pathEvents(uint path) {
+  uint events = 0u;
+  if (kTellsApart) events = loadPathWord(kChunkHitDistance, path, 1u);
+  return events;
+}
+void setPathEvents(uint path, uint events) {
+  if (kTellsApart) storePathWord(kChunkHitDistance, path, 1u, events);
+}
 
 const uint kNoLightGroup = 0u;  // also of emissive meshes: nothing gives them a group yet
 
@@ -29,10 +38,10 @@ vec3 contribute(vec3 radiance, vec3 value, uint events, uint lightGroup) { retur
 
 // What chunk Radiance gains from the light sample that was seen.
 void addSeenLight(uint path, vec3 contribution) {
-  uvec2 sampled = uvec2(0u);  // the light item; events
-  if (kTellsApart) sampled = loadPath(kChunkCone, path).zw;
+  uint item = 0u;
+  if (kTellsApart) item = loadPathWord(kChunkCone, path, 2u);
   vec3 radiance = uintBitsToFloat(loadPath(kChunkRadiance, path)).rgb;
-  radiance = contribute(radiance, contribution, sampled.y, kTellsApart ? lightItemGroup(sampled.x) : kNoLightGroup);
-  storePathF(kChunkRadiance, path, vec4(radiance, 0.0));
+  radiance = contribute(radiance, contribution, pathEvents(path), kTellsApart ? lightItemGroup(item) : kNoLightGroup);
+  storePathRgb(kChunkRadiance, path, radiance);
 }
 #endif

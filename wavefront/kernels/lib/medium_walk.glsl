@@ -32,6 +32,6 @@ uint mediumEvent(uint path, inout uvec4 ids, inout vec3 throughput, uint before,
 // Where the extension ray ended.
 vec3 mediumPoint(uint path, out vec3 direction) {
   direction = uintBitsToFloat(loadPath(kChunkRayDirection, path)).xyz;
-  return uintBitsToFloat(loadPath(kChunkRayOrigin, path)).xyz + uintBitsToFloat(loadPath(kChunkHitDistance, path)).x * direction;
+  return uintBitsToFloat(loadPath(kChunkRayOrigin, path)).xyz + uintBitsToFloat(loadPathWord(kChunkHitDistance, path, 0u)) * direction;
 }
 #endif

@@ -29,16 +29,30 @@ const uint kFlagMediumLight = 0x80000000u;  // the light was sampled from a poin
 uvec4 fetchPath(uint chunk, uint path) { return texelFetch(pathStateRead, int(chunk * frame.poolSize + path)); }
 void writePath(uint chunk, uint path, uvec4 value) { pathStateWrite[chunk * frame.poolSize + path] = value; }
 
-// Kernels go by these four. In the megakernel the state of an invocation's one path stays in registers.
+// Kernels go by these five. In the megakernel the state of an invocation's one path stays in registers.
 #ifdef WAVEFRONT_MEGAKERNEL
 #include "megakernel/state.glsl"
 #else
 uvec4 loadPath(uint chunk, uint path) { return fetchPath(chunk, path); }
+// One word of a chunk, where the others are not needed.
+uint loadPathWord(uint chunk, uint path, uint word) { return pathStateWrite[chunk * frame.poolSize + path][word]; }
 void storePath(uint chunk, uint path, uvec4 value) { writePath(chunk, path, value); }
 // One word of a chunk: a quarter of the bytes, and no need to know the others.
 void storePathWord(uint chunk, uint path, uint word, uint value) { pathStateWrite[chunk * frame.poolSize + path][word] = value; }
 #endif
+// Three words of a chunk, the fourth stays.
+void storePathRgb(uint chunk, uint path, vec3 value) {
+  storePathWord(chunk, path, 0u, floatBitsToUint(value.r));
+  storePathWord(chunk, path, 1u, floatBitsToUint(value.g));
+  storePathWord(chunk, path, 2u, floatBitsToUint(value.b));
+}
 void storePathF(uint chunk, uint path, vec4 value) { storePath(chunk, path, floatBitsToUint(value)); }
+
+// Of a triangle record in chunk Hit, before the cast: a camera ray, which sees what others do not (visibility mask).
+const uint kHitCamera = 0x80000000u;
+// Of an instance in chunk ShadowOrigin: the ray starts at the t in chunk ShadowHit, not at 0.
+const uint kShadowPassed = 0x80000000u;
+bool shadowPassed(uint instance) { return (instance & kShadowPassed) != 0u && instance != 0xffffffffu; }
 
 uint pathBounce(uint flags) { return (flags >> kBounceShift) & 0xffu; }
 uint pathPasses(uint flags) { return (flags >> kPassShift) & 0xffu; }

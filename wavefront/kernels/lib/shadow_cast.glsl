@@ -8,8 +8,8 @@
 #include "lib/mis.glsl"
 
 // `at`: the point that the light was sampled from; `from`: where the ray starts, off the surface; `skip`: the surface
-// that it starts on, as in chunk ShadowHit. `value`: what scatters towards the light, and its pdf.
-void castShadowRay(uint path, vec3 at, vec3 from, uvec4 skip, vec3 throughput, vec4 light, vec4 lightRadiance,
+// that it starts on: instance and triangle record. `value`: what scatters towards the light, and its pdf.
+void castShadowRay(uint path, vec3 at, vec3 from, uvec2 skip, vec3 throughput, vec4 light, vec4 lightRadiance,
                    uint item, vec4 value) {
   if (!(lightRadiance.a > 0.0)) return;
   bool shadowless = light.w < 0.0;
@@ -24,11 +24,10 @@ void castShadowRay(uint path, vec3 at, vec3 from, uvec4 skip, vec3 throughput, v
     float distance = length(toLight);
     if (distance > 0.0) light.xyz = toLight / distance;
     light.w = distance * (1.0 - 1e-4);
+    storePathF(kChunkLightSample, path, light);
   }
-  storePathF(kChunkShadowOrigin, path, vec4(from, 0.0));
-  storePathF(kChunkLightSample, path, light);
-  storePath(kChunkShadowContribution, path, uvec4(floatBitsToUint(contribution), triangle ? item : kNoLight));
-  storePath(kChunkShadowHit, path, skip);
+  storePath(kChunkShadowOrigin, path, uvec4(floatBitsToUint(from), skip.x));
+  storePath(kChunkShadowContribution, path, uvec4(floatBitsToUint(contribution), skip.y));
   pushShadowRay(path);
 }
 #endif

@@ -12,15 +12,15 @@ void main() {
   uint path;
   if (!bucketPath(path)) return;
   uvec4 ids = loadPath(kChunkIds, path);
-  uvec4 contributionItem = loadPath(kChunkShadowContribution, path);
+  uvec4 cone = loadPath(kChunkCone, path);
   vec4 light = uintBitsToFloat(loadPath(kChunkLightSample, path));
-  uvec4 item = texelFetch(lightItems, int(contributionItem.w));
+  uvec4 item = texelFetch(lightItems, int(cone.z));
   // The point that the light sample kernel found, or medium_scatter: the same random numbers give it again.
   uint bounce = pathBounce(ids.w) - ((ids.w & (kFlagEnd | kFlagSubsurface)) != 0u ? 0u : 1u);
   uint pair = (ids.w & kFlagMediumLight) != 0u ? loadPath(kChunkWalk, path).y : bouncePair(bounce, kPairLightPoint);
   vec2 b = emissionTriangleSample(sample2D(ids.z, ids.y, pair));
-  ShadingPoint sp = shadingPointMake(item.x, item.y, b, -light.xyz, 0.0, uintBitsToFloat(loadPath(kChunkCone, path)).y);
-  vec3 contribution = uintBitsToFloat(contributionItem.rgb) * max(materialEmission(sp), vec3(0.0));
+  ShadingPoint sp = shadingPointMake(item.x, item.y, b, -light.xyz, 0.0, uintBitsToFloat(cone.y));
+  vec3 contribution = uintBitsToFloat(loadPath(kChunkShadowContribution, path).rgb) * max(materialEmission(sp), vec3(0.0));
   addSeenLight(path, contribution);
   storePathWord(kChunkIds, path, 3u, withPhase(ids.w, kPhaseReady));
 }

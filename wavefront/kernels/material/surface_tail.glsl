@@ -53,7 +53,7 @@ void filmFirstHit(uvec4 ids, ShadingPoint sp, Closure c) {
 }
 
 // The ray goes on behind this hit as if nothing were there: it keeps its origin and moves its start forward.
-void passOn(uint path, uvec4 ids, uvec4 hit, uvec4 extra, vec3 throughput, float bsdfPdf) {
+void passOn(uint path, uvec4 ids, uvec4 hit, float t, vec3 throughput, float bsdfPdf) {
   if (pathPasses(ids.w) >= frame.maxTransparency) {
     reportError(kErrorTransparency);
     storePathWord(kChunkIds, path, 3u, ids.w | kFlagEnd);
@@ -61,8 +61,8 @@ void passOn(uint path, uvec4 ids, uvec4 hit, uvec4 extra, vec3 throughput, float
   }
   bool camera = pathBounce(ids.w) == 0u && (ids.w & kFlagSubsurface) == 0u;
   storePathF(kChunkThroughput, path, vec4(throughput, bsdfPdf));
-  storePathWord(kChunkRayOrigin, path, 3u, extra.x);
-  storePath(kChunkHitDistance, path, uvec4(camera ? 1u : 2u, hit.x, hit.y, extra.w));
+  if (camera) storePathWord(kChunkHit, path, 1u, hit.y | kHitCamera);
+  storePathWord(kChunkRayOrigin, path, 3u, floatBitsToUint(t));
   storePathWord(kChunkIds, path, 3u, ids.w + (1u << kPassShift));
   pushExtensionRay(path);
 }
@@ -116,15 +116,14 @@ void main() {
   vec3 origin = uintBitsToFloat(loadPath(kChunkRayOrigin, path)).xyz;
   vec3 wo = -uintBitsToFloat(loadPath(kChunkRayDirection, path)).xyz;
   uvec4 hit = loadPath(kChunkHit, path);
-  uvec4 extra = loadPath(kChunkHitDistance, path);
   vec4 throughputPdf = uintBitsToFloat(loadPath(kChunkThroughput, path));
   uvec4 coneBits = loadPath(kChunkCone, path);
   uvec4 medium = loadPath(kChunkMedium, path);
   float spread = uintBitsToFloat(coneBits.x);
-  float t = uintBitsToFloat(extra.x);
+  float t = uintBitsToFloat(loadPathWord(kChunkHitDistance, path, 0u));
   uint bounce = pathBounce(ids.w);
   vec3 throughput = throughputPdf.rgb;
-  float coneWidth = uintBitsToFloat(extra.w) + spread * t;
+  float coneWidth = uintBitsToFloat(coneBits.w) + spread * t;
 
   ShadingPoint sp = shadingPointMake(hit.x, hit.y, uintBitsToFloat(hit.zw), wo, coneWidth, uintBitsToFloat(coneBits.y));
   bool front = sp.frontFacing;
@@ -135,7 +134,7 @@ void main() {
     if (!boundary.isThere) {
       storePath(kChunkMediaStack, path, boundary.beyond);
       if (!boundary.fits) reportError(kErrorMediaStack);
-      passOn(path, ids, hit, extra, throughput, throughputPdf.a);
+      passOn(path, ids, hit, t, throughput, throughputPdf.a);
       return;
     }
   }
@@ -148,7 +147,7 @@ void main() {
     // Colours were filtered, and the choice of the flight's channel follows them: a new flight from here.
     float flight = t + mediumFlight(medium, throughput, samplePass(ids.z ^ 0x3c6ef372u, ids.y, bounce, pathPasses(ids.w)));
     if (mediumScatters(medium)) storePathF(kChunkRayDirection, path, vec4(-wo, flight));
-    passOn(path, ids, hit, extra, throughput, throughputPdf.a);
+    passOn(path, ids, hit, t, throughput, throughputPdf.a);
     return;
   }
 
@@ -158,8 +157,8 @@ void main() {
   }
   if (kHasEmission) {
     vec3 radiance = uintBitsToFloat(loadPath(kChunkRadiance, path)).rgb;
-    radiance = contribute(radiance, throughput * surfaceEmission(sp, c, throughputPdf.a, origin, t), coneBits.w, kNoLightGroup);
-    storePathF(kChunkRadiance, path, vec4(radiance, 0.0));
+    radiance = contribute(radiance, throughput * surfaceEmission(sp, c, throughputPdf.a, origin, t), pathEvents(path), kNoLightGroup);
+    storePathRgb(kChunkRadiance, path, radiance);
   }
   ids.w &= ~((0xffu << kPassShift) | (0xffu << kShadowPassShift) | kFlagMediumLight);
   if (bounce >= frame.maxBounces) {
@@ -193,7 +192,7 @@ void main() {
   }
   bool litBeyond = (dot(light.xyz, sp.normalGeometric) >= 0.0) != front;
   lit.rgb *= mediumTransmittance(kHasTransmission && litBeyond ? beyond : medium, abs(light.w));
-  castShadowRay(path, sp.positionWorld, offsetRayOrigin(sp.positionWorld, error, sp.normalGeometric, light.xyz), hit, throughput,
+  castShadowRay(path, sp.positionWorld, offsetRayOrigin(sp.positionWorld, error, sp.normalGeometric, light.xyz), hit.xy, throughput,
                 light, lightRadiance, coneBits.z, lit);
   bool transmitted = (dot(wi, sp.normalGeometric) >= 0.0) != front;
   bool walks = false;
@@ -215,7 +214,6 @@ void main() {
     storePathWord(kChunkIds, path, 3u, ids.w | kFlagEnd);
     return;
   }
-  uint events = coneBits.w | (transmitted ? kEventTransmission : kEventReflection);
   bool enters = walks;
   if (kHasTransmission) {
     if (transmitted && !walks) {
@@ -239,12 +237,13 @@ void main() {
   float flight = mediumFlight(medium, throughput, u);
   storePathF(kChunkRayOrigin, path, vec4(offsetRayOrigin(sp.positionWorld, error, sp.normalGeometric, wi), 0.0));
   storePathF(kChunkRayDirection, path, vec4(wi, mediumScatters(medium) ? flight : 3.4e38));
-  // A planar surface cannot be hit again by a ray that leaves it: named, it is skipped whatever rounding says.
-  storePath(kChunkHitDistance, path, uvec4(2u, hit.x, hit.y, floatBitsToUint(coneWidth)));
+  // A planar surface cannot be hit again by a ray that leaves it: it stands in chunk Hit, and is skipped whatever rounding
+  // says.
   storePathF(kChunkThroughput, path, vec4(throughput, sampled.a));
   // A rough bounce widens the cone: about the angle of the solid angle 1/pdf, bounded so that textures never turn to mush.
   storePathWord(kChunkCone, path, 0u, floatBitsToUint(min(spread + 0.125 * inversesqrt(sampled.a), 0.25)));
-  storePathWord(kChunkCone, path, 3u, events);
+  storePathWord(kChunkCone, path, 3u, floatBitsToUint(coneWidth));
+  setPathEvents(path, pathEvents(path) | (transmitted ? kEventTransmission : kEventReflection));
   // A walk is one bounce, counted where it leaves.
   storePathWord(kChunkIds, path, 3u, walks ? ids.w | kFlagSubsurface : ids.w + (1u << kBounceShift));
   pushExtensionRay(path);

@@ -15,6 +15,7 @@ const uint kPathChunks = 0u
 uvec4 megaState[kPathChunks];
 
 uvec4 loadPath(uint chunk, uint path) { return megaState[chunk]; }
+uint loadPathWord(uint chunk, uint path, uint word) { return megaState[chunk][word]; }
 void storePath(uint chunk, uint path, uvec4 value) { megaState[chunk] = value; }
 void storePathWord(uint chunk, uint path, uint word, uint value) { megaState[chunk][word] = value; }
 
