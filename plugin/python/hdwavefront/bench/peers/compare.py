@@ -43,6 +43,13 @@ def relative_mse(first: npt.NDArray[np.float32], second: npt.NDArray[np.float32]
     return float(kept.mean())
 
 
+def _default(token: str) -> Any:
+    """Of a render setting."""
+    from ... import _core
+
+    return next(setting["default"] for setting in _core.render_settings() if setting["token"] == token)
+
+
 def _own(scene: Scene, width: int, samples: int, device: str, deadline: float) -> dict[str, Any]:
     from ...api import Render
 
@@ -128,7 +135,10 @@ def compare(
     """Both on the scene. OutOfTime after `limit` seconds."""
     deadline = time.monotonic() + limit
     bounces = int(scene.settings.get("maxBounces", 8))
-    own_scene = Scene(scene.name, scene.path, 0, 0, 0, 0, 0, {**scene.settings, "maxBounces": bounces})
+    # Russian roulette is how a renderer gets to the picture, not what it shows: each has its own. (The scenes keep it
+    # from the first bounces, so that paths are as long as the paper's.)
+    settings = {**scene.settings, "rouletteBounce": _default("rouletteBounce")}
+    own_scene = Scene(scene.name, scene.path, 0, 0, 0, 0, 0, {**settings, "maxBounces": bounces})
     ours = _own(own_scene, width, samples, device, deadline)
     options = {
         "width": ours["size"][0],
@@ -136,7 +146,6 @@ def compare(
         "samples": samples,
         "variant": variant,
         "maxBounces": bounces,
-        "rouletteBounce": int(scene.settings.get("rouletteBounce", 3)),
     }
     path = flat.write(scene.path, folder)
     said = _run(peer, path, options, min(max(0.0, deadline - time.monotonic()), _LONGEST))

@@ -74,8 +74,10 @@ def _light(index: int, light: dict[str, Any]) -> None:
         data.energy = peak * math.pi * light["width"] * light["height"]
     else:  # radiance times pi times the sphere's area
         data.shadow_soft_size = light["radius"]
+        data.use_soft_falloff = False  # a sphere; with it, a disc that turns to whoever looks
         data.energy = peak * math.pi * 4 * math.pi * light["radius"] ** 2
     made = bpy.data.objects.new(f"l{index}", data)
+    made.visible_camera = kind != "SUN"  # Blender hides lights from the camera unless it is told otherwise
     made.matrix_world = _Y_TO_Z @ Matrix(light["matrix"])
     bpy.context.scene.collection.objects.link(made)
 
@@ -87,6 +89,7 @@ def build(path: str, options: dict[str, Any]) -> None:
     bpy.ops.wm.read_factory_settings(use_empty=True)
     scene = bpy.context.scene
     scene.world = bpy.data.worlds.new("world")
+    scene.world.color = (0.0, 0.0, 0.0)  # a new world shines with a radiance of .05 where no dome is given
     materials = {name: _material(name, plain) for name, plain in flat["materials"].items()}
     for number, mesh in enumerate(flat["meshes"]):
         data = _mesh(number, arrays, materials[mesh["material"]])

@@ -70,7 +70,8 @@ def scene_of(mi: Any, path: str, options: dict[str, Any]) -> Any:
         flat = json.load(file)
     arrays = dict(np.load(os.path.join(os.path.dirname(path), "meshes.npz")))
     scene: dict[str, Any] = {"type": "scene", "integrator": {"type": "path", "max_depth": options["maxBounces"] + 1}}
-    scene["integrator"]["rr_depth"] = options["rouletteBounce"] + 1
+    if "rouletteBounce" in options:
+        scene["integrator"]["rr_depth"] = options["rouletteBounce"] + 1
     grouped: dict[str, list[Any]] = {}
     for number, mesh in enumerate(flat["meshes"]):
         shape = _shape(mi, number, arrays, flat["materials"][mesh["material"]], np.array(mesh["matrix"]))
