@@ -480,8 +480,9 @@ Status PathTracer::Collect(std::size_t index) {
   statusWords_.resize(bytes / 4);
   std::memcpy(statusWords_.data(), mapped.data() + index * bytes, bytes);
   ReadStatus(statusWords_.data());
-  // Where a whole submit with today's kernels moved nothing, all that is left is held.
-  uint64_t moved = status_.pathsStarted + status_.active;
+  // Where a whole submit with today's kernels moved nothing, all that is left is held. Counts that only grow: paths that
+  // started, paths that ended, items. (One that can fall might hide another that rises.)
+  uint64_t moved = status_.pathsStarted + (status_.pathsStarted - status_.active);
   for (uint64_t items : status_.queueItems) moved += items;
   for (uint64_t items : status_.bucketItems) moved += items;
   stalled_ = stalled_ || (kernels_->pending() != 0 && !status_.drained && slot.kernelEpoch == kernelEpoch_ &&
